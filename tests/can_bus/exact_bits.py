@@ -1,8 +1,13 @@
-"""The bits of one frame on the wire, counted one by one: what the tables of `frame_length` are compared with."""
+"""The bits of one frame on the wire, counted one by one: what the tables of `frame_length` are compared with.
+
+Besides, the value that a signal has behind the bus.
+"""
 
 from __future__ import annotations
 
 from ev_msgs_py.can.frame_length import NEVER_STUFFED, frame_bits
+from ev_msgs_py.can.payload import BitField, raw_number
+from ev_msgs_py.compilable import compilable
 
 EQUAL_BITS = 5  # after which a stuff bit of the other value follows
 
@@ -24,3 +29,9 @@ def stuff_bits(bits: list[int]) -> int:
             count += 1
             last, run = 1 - bit, 1
     return count
+
+
+@compilable
+def quantised(field: BitField, value: float) -> float:
+    """The value that arrives when this one is sent."""
+    return field.offset + field.scale * raw_number(field, value)

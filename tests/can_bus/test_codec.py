@@ -9,12 +9,13 @@ from typing import Any
 
 import pytest
 from can_bus.databases import ours
+from can_bus.exact_bits import quantised
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from ev_core.compiled.loop import compiled, one_record
 from ev_msgs_py.can.database import _field
-from ev_msgs_py.can.payload import BitField, byte_of, extracted, inserted, quantised
+from ev_msgs_py.can.payload import BitField, byte_of, extracted, inserted
 from ev_msgs_py.refusal import ParameterError
 
 TORQUE = BitField(24.0, 16.0, 1.0, 0.03125, 32.0, 0.0, -1000.0, 1000.0)

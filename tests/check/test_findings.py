@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import pytest
 from check.bad_methods import FINDINGS, WRAPPING, AnsweringNan, Good, Hiding, Leaning, Sleeping, configuration_of
 
-from ev_core.check.inputs import ExtremeInputs, RandomInputs
 from ev_core.check.method import ContractError, check_configuration, check_method
 from ev_core.check.mirror import mirrored_configuration, mirrored_numbers
+from ev_core.check.stepping import ExtremeInputs, RandomInputs
 from ev_core.law import WHEEL_NAMES, ParameterError, Wheels, parameter
 from ev_core.lockstep.configuration import configure
 from ev_msgs_py.contract.fields import shape_of

@@ -5,10 +5,9 @@ from __future__ import annotations
 import pytest
 from traction import FASTEST, METHODS, SPEED_MODE, configured
 
-from ev_core.check.inputs import RandomInputs
 from ev_core.check.method import check_configuration
 from ev_core.check.reached import reached
-from ev_core.check.stepping import Subject
+from ev_core.check.stepping import RandomInputs, Subject
 from ev_core.methods.register import create
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 

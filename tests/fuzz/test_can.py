@@ -6,6 +6,7 @@ import math
 import socket
 
 from can_bus.databases import ours
+from can_bus.exact_bits import quantised
 from fuzz.fuzzing import assert_one_line, damaged, fuzzed, spoil
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,7 +18,7 @@ from ev_core.bus.checking import TOLERANCES, WRONG_CRC, CheckState, check
 from ev_core.bus.parameters import EV_BENCH, load_database
 from ev_core.bus.socketcand_hub import HOST, SocketcandHub
 from ev_core.parameters.data_file import find_in_config
-from ev_msgs_py.can.payload import COUNTERS, are_words, extracted, inserted, joined, protected, quantised, words
+from ev_msgs_py.can.payload import COUNTERS, are_words, extracted, inserted, joined, protected, words
 from ev_msgs_py.refusal import ParameterError
 
 LAYOUTS = sorted(ours(), key=lambda frame: frame.name)

@@ -179,7 +179,7 @@ def image(run: Recording) -> Recording:
     places = {name: place for name, place in frame.channels().items() if name in run.channels}
     for name, place in places.items():
         frames[:, place] = run.channels[name]
-    seen = np.array([np.frombuffer(mirrored(row.tobytes())) for row in frames])
+    seen = mirrored(frames)
     return Recording(run.time, {name: np.ascontiguousarray(seen[:, place]) for name, place in places.items()})
 
 

@@ -15,8 +15,7 @@ What traction controls and differentials share, such as `traction_control` and `
 Nothing in ev_core imports this module: it is a door from outside.
 """
 
-from ev_core import elementary
-from ev_core.elementary import *  # noqa: F403 - as its __all__ lists them
+from ev_core.elementary import *  # as its __all__ lists them
 from ev_core.methods.register import method
 from ev_core.parameters.declaration import group, parameter, setting
 from ev_core.parameters.record import (
@@ -31,19 +30,21 @@ from ev_core.parameters.record import (
     wheel_places,
     working_memory,
 )
-from ev_core.vehicle.car import GRAVITY, Car, speed_along_path
-from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.layout import (
+from ev_core.vehicle.car import (
     ALL_WHEELS_DRIVEN,
     FRONT_WHEELS_DRIVEN,
+    GRAVITY,
     REAR_WHEELS_DRIVEN,
+    Car,
     Need,
     any_driven,
     driven,
     each_driven,
     equal_motors,
     only_driven,
+    speed_along_path,
 )
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.compilable import compilable, inlined
 from ev_msgs_py.contract.optional_signals import (
     BenchElectrical,
@@ -74,65 +75,4 @@ from ev_msgs_py.contract.signals import (
 from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, NO_WHEELS, REAR_LEFT, REAR_RIGHT, WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
 
-__all__ = [
-    "ALL_WHEELS_DRIVEN",
-    "FRONT_LEFT",
-    "FRONT_RIGHT",
-    "FRONT_WHEELS_DRIVEN",
-    "GRAVITY",
-    "NO_WHEELS",
-    "REAR_LEFT",
-    "REAR_RIGHT",
-    "REAR_WHEELS_DRIVEN",
-    "WHEEL_NAMES",
-    "BatteryCondition",
-    "BenchElectrical",
-    "BenchEnergy",
-    "BenchShafts",
-    "BenchTemperatures",
-    "BodyPose",
-    "BodyVelocity",
-    "Car",
-    "CellCondition",
-    "DriverCommand",
-    "InertialMeasurement",
-    "Instant",
-    "LoadCommand",
-    "MotorElectrics",
-    "MotorStates",
-    "MotorTemperatures",
-    "Need",
-    "ParameterError",
-    "Place",
-    "RearSteeringState",
-    "SteeringColumnState",
-    "TireForces",
-    "Vehicle",
-    "WheelSpeedCommand",
-    "WheelStates",
-    "WheelTorqueCommand",
-    "WheelTorqueRequest",
-    "Wheels",
-    "any_driven",
-    "compilable",
-    "driven",
-    "each_driven",
-    "each_wheel",
-    "entry",
-    "equal_motors",
-    "group",
-    "inlined",
-    "memory_type",
-    "method",
-    "only_driven",
-    "parameter",
-    "part",
-    "per_wheel",
-    "row",
-    "series",
-    "setting",
-    "speed_along_path",
-    "wheel_places",
-    "working_memory",
-]
-__all__ += elementary.__all__
+__all__ = [name for name in globals() if not name.startswith("_")]

@@ -1,7 +1,5 @@
 """The main function of every node executable, and what holds where DDS security is asked for."""
 
-from __future__ import annotations
-
 import os
 import re
 import sys

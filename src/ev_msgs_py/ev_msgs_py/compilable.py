@@ -1,7 +1,5 @@
 """The mark of what may run compiled; it changes nothing for Python, its debugger and `print`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, TypeVar
 

@@ -1,7 +1,5 @@
 """What is refused, in one line, and how a value, a name or a line that comes from outside is shown."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable
 from typing import Any

@@ -7,7 +7,7 @@ from math import inf
 
 from ev_control.estimation.wheel_dynamics import Filtered, WheelMotion, filter_share, follow, mass_share, road_torque
 from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, traction_control
-from ev_control.shared import acceleration_criterion as criterion
+from ev_control.shared import wheel_regulation as criterion
 from ev_core.law import Car, Vehicle, compilable, entry, group, parameter, part
 from ev_core.vehicle.driveline import has_own_motors
 

@@ -11,12 +11,15 @@ from ev_control.shared.blended_wheel import (
     BlendingParameters,
     SlipLimitParameters,
     WheelAlong,
+    YawDifferenceParameters,
     blended,
     forget_slip_limit,
     slip_limited,
+    slip_share,
+    yaw_difference,
+    yaw_error,
 )
 from ev_control.shared.traction_control import sign
-from ev_control.shared.yaw_difference import YawDifferenceParameters, slip_share, yaw_difference, yaw_error
 from ev_core.law import (
     NO_WHEELS,
     Car,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ev_control.shared.limp_mode import LostMotorParameters, LostMotors, without_yaw
 from ev_core.law import Car, WheelStates, WheelTorqueCommand, WheelTorqueRequest, compilable, group, method, part
-from ev_core.vehicle.layout import each_driven, equal_motors
+from ev_core.vehicle.car import each_driven, equal_motors
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ev_control.estimation.wheel_dynamics import WheelMotion, slip_of
 from ev_control.law import SlipThresholdParameters, SpeedSetPointParameters, SpeedSetPointWheel, moved, traction_control
-from ev_control.shared.acceleration_criterion import AccelerationCriterionParameters, Accelerations, gains_on_car
+from ev_control.shared.wheel_regulation import AccelerationCriterionParameters, Accelerations, gains_on_car
 from ev_core.law import Car, ParameterError, compilable, group, parameter, part
 
 

@@ -5,8 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
-from ev_control.shared.assistance import AssistanceParameters, assistance, torque_difference_per_steering_moment
-from ev_control.shared.torque_split import differential
+from ev_control.shared.torque_split import (
+    AssistanceParameters,
+    assistance,
+    differential,
+    torque_difference_per_steering_moment,
+)
 from ev_core.law import FRONT_WHEELS_DRIVEN, Car, compilable, entry, group, parameter
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
 

@@ -5,8 +5,6 @@ s_r = sqrt(s^2 + tan(alpha)^2) uses mu = mu_max 2 x/(1 + x^2), x = s_r/s_p, up t
 the direction of the slip vector. s_p = first + growth mu_max follows the peaks of Burckhardt's curves.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ev_control.estimation.plausible import is_plausible

@@ -9,8 +9,6 @@ spins, and is not found. A wheel in the air, which nothing slows down in the mod
 this project, no source has it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ev_core.law import Car, InertialMeasurement, SteeringColumnState, Wheels, WheelStates, compilable, entry, per_wheel

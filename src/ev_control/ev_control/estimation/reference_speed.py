@@ -1,7 +1,5 @@
 """The speed that slip is counted against: what every wheel would turn at if it rolled."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 from operator import attrgetter

@@ -1,7 +1,5 @@
 """Slip angles of the axles, true or by kinematics and a linear tyre, and what they leave of a slip threshold."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ errors of the sums are added up as well, so that hardly anything of them is left
 what rounding has lost of it, and begins at `EMPTY_SUM`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 from typing import Any, NamedTuple

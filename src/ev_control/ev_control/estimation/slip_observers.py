@@ -1,18 +1,8 @@
 """Slip of a wheel: against the reference speed, or from its own torque and speed (dissertation, eqs 1.8 to 1.10)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
-from ev_control.estimation.wheel_dynamics import (
-    Filtered,
-    WheelMotion,
-    filter_share,
-    follow,
-    mass_share,
-    slip_of,
-    slowest_wheel,
-)
+from ev_control.estimation import wheel_dynamics
 from ev_core.law import Car, compilable, entry, parameter, part
 
 OBSERVERS = ("reference_speed", "derivative", "corrected_derivative", "disturbance")
@@ -29,7 +19,7 @@ class SlipObserverParameters:
         about="reference_speed: none, eq 2.34; derivative: eq 1.8; corrected_derivative: eq 1.9; disturbance: eq 1.10",
         source="dissertation, eqs 1.8 to 1.10",
     )
-    slowest: float = slowest_wheel()
+    slowest: float = wheel_dynamics.slowest_wheel()
     correction: float = parameter(
         1.0,
         unit="1",
@@ -54,13 +44,13 @@ class SlipObserverState:
     """What lasts between steps."""
 
     slip: float = entry(unit="1", about="estimated slip")
-    torque: Filtered = part(Filtered)  # [N m]
-    acceleration: Filtered = part(Filtered)  # [rad/s^2]
+    torque: wheel_dynamics.Filtered = part(wheel_dynamics.Filtered)  # [N m]
+    acceleration: wheel_dynamics.Filtered = part(wheel_dynamics.Filtered)  # [rad/s^2]
 
 
 @compilable
 def observed_slip(
-    p: SlipObserverParameters, car: Car, s: SlipObserverState, period: float, motion: WheelMotion
+    p: SlipObserverParameters, car: Car, s: SlipObserverState, period: float, motion: wheel_dynamics.WheelMotion
 ) -> float:
     """The slip [1] at the end of this period; M is the mass that the wheel moves, J the inertia behind it.
 
@@ -78,7 +68,7 @@ def observed_slip(
     those of the slip that is counted against this speed.
     """
     if p.observer == REFERENCE_SPEED:
-        return slip_of(motion, p.slowest)
+        return wheel_dynamics.slip_of(motion, p.slowest)
     if p.observer == DISTURBANCE:
         slip = slip_by_disturbance(p, car, s, period, motion)
     else:
@@ -89,10 +79,10 @@ def observed_slip(
 
 @compilable
 def slip_by_derivative(
-    p: SlipObserverParameters, car: Car, s: SlipObserverState, period: float, motion: WheelMotion
+    p: SlipObserverParameters, car: Car, s: SlipObserverState, period: float, motion: wheel_dynamics.WheelMotion
 ) -> float:
     """The integrated slip of eqs 1.8 and 1.9 [1]."""
-    radius, mass, turning = car.wheel_radius, mass_share(car), motion.acceleration
+    radius, mass, turning = car.wheel_radius, wheel_dynamics.mass_share(car), motion.acceleration
     inertia = car.driven_wheel_inertia[motion.place]
     carried = radius * radius * mass
     against = max(abs(motion.speed), p.slowest)
@@ -107,14 +97,14 @@ def slip_by_derivative(
 
 @compilable
 def slip_by_disturbance(
-    p: SlipObserverParameters, car: Car, s: SlipObserverState, period: float, motion: WheelMotion
+    p: SlipObserverParameters, car: Car, s: SlipObserverState, period: float, motion: wheel_dynamics.WheelMotion
 ) -> float:
     """The slip of eq 1.10 [1], or what is not yet forgotten of the last one."""
-    share = filter_share(period, p.filter_time)
-    torque = follow(s.torque, motion.torque, share)
-    turning = follow(s.acceleration, motion.acceleration, share)
+    share = wheel_dynamics.filter_share(period, p.filter_time)
+    torque = wheel_dynamics.follow(s.torque, motion.torque, share)
+    turning = wheel_dynamics.follow(s.acceleration, motion.acceleration, share)
     if abs(turning) < p.least_acceleration or motion.speed < p.slowest:
-        return s.slip * (1.0 - filter_share(period, p.forget_time))
-    carried = car.wheel_radius * car.wheel_radius * mass_share(car)
+        return s.slip * (1.0 - wheel_dynamics.filter_share(period, p.forget_time))
+    carried = car.wheel_radius * car.wheel_radius * wheel_dynamics.mass_share(car)
     disturbance = torque - (car.driven_wheel_inertia[motion.place] + carried) * turning
     return -disturbance / (carried * turning)

@@ -1,7 +1,5 @@
 """Whether a wheel has passed the peak of its slip curve (dissertation, eqs 2.34 to 2.36); a target slip below it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ev_control.estimation import slip_curve_fit

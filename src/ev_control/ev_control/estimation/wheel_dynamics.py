@@ -1,7 +1,5 @@
 """The wheel as traction control sees it: motion, slip, load, torque of the road; and filters of what is measured."""
 
-from __future__ import annotations
-
 import linecache
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, is_dataclass

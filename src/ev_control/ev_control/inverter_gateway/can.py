@@ -3,11 +3,10 @@
 Each tick has the same steps as a cycle of `station`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from ev_control.inverter_gateway import leading
 from ev_control.inverter_gateway.gateway import (
     Device,
     Gateway,
@@ -15,19 +14,6 @@ from ev_control.inverter_gateway.gateway import (
     latched,
     latched_names,
     watch,
-)
-from ev_control.inverter_gateway.leading import (
-    ELECTRICAL,
-    FAULTS,
-    MOTION,
-    TEMPERATURES,
-    advance_gateway,
-    begin_reset,
-    command_device,
-    heartbeat,
-    is_faulty,
-    receive_feedback,
-    set_point,
 )
 from ev_core.bus.parameters import load_database
 from ev_core.law import (
@@ -43,17 +29,8 @@ from ev_core.law import (
     part,
     series,
 )
-from ev_core.vehicle.layout import listed
-from ev_msgs_py.can.frames import (
-    SPEED_MODE,
-    TICK,
-    TORQUE_MODE,
-    BenchFrames,
-    DeviceFrames,
-    bench_frames,
-    is_due,
-    ticks_of,
-)
+from ev_core.vehicle.car import listed
+from ev_msgs_py.can import frames
 from ev_msgs_py.can.payload import NO_FRAME, are_words, joined, words
 from ev_msgs_py.contract.optional_signals import MOST_TICKS, FeedbackFrames, SetPointFrames
 
@@ -61,8 +38,8 @@ from ev_msgs_py.contract.optional_signals import MOST_TICKS, FeedbackFrames, Set
 @inlined
 def command_drives(p: LockstepGatewayParameters, g: Gateway, command: WheelTorqueCommand) -> None:
     """Torques of the drives."""
-    _command(p, g.drive_11, TORQUE_MODE, command.drive[int(p.wheel_11)] / p.gear_ratio)
-    _command(p, g.drive_12, TORQUE_MODE, command.drive[int(p.wheel_12)] / p.gear_ratio)
+    _command(p, g.drive_11, frames.TORQUE_MODE, command.drive[int(p.wheel_11)] / p.gear_ratio)
+    _command(p, g.drive_12, frames.TORQUE_MODE, command.drive[int(p.wheel_12)] / p.gear_ratio)
 
 
 @inlined
@@ -86,16 +63,16 @@ def watch_bench(
 def _command(p: LockstepGatewayParameters, s: Device, mode: int, value: float) -> None:
     """A torque [N m] or a speed [rad/s] at the shaft; what is no number is no command."""
     if isfinite(value):
-        command_device(p, s, mode, value)
+        leading.command_device(p, s, mode, value)
 
 
 @compilable
 def _command_load(p: LockstepGatewayParameters, s: Device, load: LoadCommand, wheel: int) -> None:
     """What the virtual car asks of a load machine; in torque mode what brakes counts forwards there."""
-    if int(load.mode[wheel]) == SPEED_MODE:
-        _command(p, s, SPEED_MODE, load.speed[wheel])
+    if int(load.mode[wheel]) == frames.SPEED_MODE:
+        _command(p, s, frames.SPEED_MODE, load.speed[wheel])
     else:
-        _command(p, s, TORQUE_MODE, -load.torque[wheel])
+        _command(p, s, frames.TORQUE_MODE, -load.torque[wheel])
 
 
 @compilable
@@ -104,12 +81,12 @@ def press_buttons(enable_tick: float, reset_tick: float, g: Gateway) -> None:
     if g.tick == enable_tick:
         g.waits = 1.0
     if g.tick == reset_tick:
-        begin_reset(g.drive_11)
-        begin_reset(g.drive_12)
-        if is_faulty(g.load_11):
-            begin_reset(g.load_11)
-        if is_faulty(g.load_12):
-            begin_reset(g.load_12)
+        leading.begin_reset(g.drive_11)
+        leading.begin_reset(g.drive_12)
+        if leading.is_faulty(g.load_11):
+            leading.begin_reset(g.load_11)
+        if leading.is_faulty(g.load_12):
+            leading.begin_reset(g.load_12)
         g.waits = 1.0
 
 
@@ -126,7 +103,7 @@ class GatewayConstants(NamedTuple):
     ticks: float  # of 1 ms in a control period
     enable_tick: float
     reset_tick: float
-    frames: BenchFrames
+    frames: frames.BenchFrames
 
 
 @dataclass(slots=True)
@@ -141,11 +118,9 @@ class LockstepGateway:
 
 def prepare(parameters: LockstepGatewayParameters, _vehicle: Vehicle, period: float) -> GatewayConstants:
     """Ticks and frames; ParameterError for a control period that is no such number of ticks."""
-    ticks = ticks_of(period, MOST_TICKS)
-    frames = bench_frames(load_database(parameters.bus.database))
-    return GatewayConstants(
-        ticks, float(round(parameters.enable_at / TICK)), float(round(parameters.reset_at / TICK)), frames
-    )
+    enable_tick, reset_tick = (float(round(time / frames.TICK)) for time in (parameters.enable_at, parameters.reset_at))
+    layouts = frames.bench_frames(load_database(parameters.bus.database))
+    return GatewayConstants(frames.ticks_of(period, MOST_TICKS), enable_tick, reset_tick, layouts)
 
 
 def at_start(p: LockstepGatewayParameters) -> LockstepGateway:
@@ -210,14 +185,14 @@ def can(
         if tick == int(c.ticks) - 1:
             watch_bench(p, car.motor.rotor_inertia, g, load, shafts, period)
         before = g.tick
-        advance_gateway(p, g, 1.0, TICK)
+        leading.advance_gateway(p, g, 1.0, frames.TICK)
         _say(f, f.drive_11, g.drive_11, s, p.torque_limit, 2 * tick)
         _say(f, f.drive_12, g.drive_12, s, p.torque_limit, SAID + 2 * tick)
         _say(f, f.load_11, g.load_11, s, p.load_torque_limit, LOADS + 2 * tick)
         _say(f, f.load_12, g.load_12, s, p.load_torque_limit, LOADS + SAID + 2 * tick)
-        if is_due(f.heartbeat.ticks, before, g.tick):
+        if frames.is_due(f.heartbeat.ticks, before, g.tick):
             for place in range(2):
-                s.said[HEARTBEATS + place] = words(heartbeat(f, g, place))[0]
+                s.said[HEARTBEATS + place] = words(leading.heartbeat(f, g, place))[0]
     note_faults(s)
     w = s.said
     return SetPointFrames(
@@ -238,21 +213,27 @@ def note_faults(s: LockstepGateway) -> None:
 
 
 @compilable
-def _hear(f: BenchFrames, own: DeviceFrames, s: Device, of: LockstepGateway, begin: int, tick: int) -> None:
+def _hear(
+    f: frames.BenchFrames, own: frames.DeviceFrames, s: Device, of: LockstepGateway, begin: int, tick: int
+) -> None:
     """The frame of a tick, and with the first one those that come less often."""
-    _take(f, own, s, MOTION, of, begin + 2 * tick)
+    _take(f, own, s, leading.MOTION, of, begin + 2 * tick)
     if tick == 0:
-        _take(f, own, s, ELECTRICAL, of, begin + SAID)
-        _take(f, own, s, TEMPERATURES, of, begin + SAID + 2)
-        _take(f, own, s, FAULTS, of, begin + SAID + 4)
+        _take(f, own, s, leading.ELECTRICAL, of, begin + SAID)
+        _take(f, own, s, leading.TEMPERATURES, of, begin + SAID + 2)
+        _take(f, own, s, leading.FAULTS, of, begin + SAID + 4)
 
 
 @compilable
-def _take(f: BenchFrames, own: DeviceFrames, s: Device, kind: int, of: LockstepGateway, place: int) -> None:
+def _take(
+    f: frames.BenchFrames, own: frames.DeviceFrames, s: Device, kind: int, of: LockstepGateway, place: int
+) -> None:
     if are_words(of.heard[place], of.heard[place + 1]):
-        receive_feedback(f, own, s.feedback, kind, joined(of.heard[place], of.heard[place + 1]))
+        leading.receive_feedback(f, own, s.feedback, kind, joined(of.heard[place], of.heard[place + 1]))
 
 
 @compilable
-def _say(f: BenchFrames, own: DeviceFrames, s: Device, to: LockstepGateway, most: float, place: int) -> None:
-    to.said[place], to.said[place + 1] = words(set_point(f, own, s, most))
+def _say(
+    f: frames.BenchFrames, own: frames.DeviceFrames, s: Device, to: LockstepGateway, most: float, place: int
+) -> None:
+    to.said[place], to.said[place + 1] = words(leading.set_point(f, own, s, most))

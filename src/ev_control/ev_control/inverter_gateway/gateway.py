@@ -3,8 +3,6 @@
 The transducer is compared with the inverter, and with the wheel that the circuit stands for.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ev_core.bus.checking import CheckState

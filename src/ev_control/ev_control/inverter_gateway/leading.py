@@ -4,30 +4,9 @@ Feedback is checked frame by frame, and kept as far as it is valid. Set-points a
 the gateway has latched and enabled.
 """
 
-from __future__ import annotations
-
 from ev_control.inverter_gateway.gateway import BOTH, Device, Feedback, Gateway, GatewayParameters
-from ev_core.bus.checking import (
-    REPEATED,
-    TOLERANCES,
-    WRONG_CRC,
-    WRONG_SEQUENCE,
-    CheckState,
-    check,
-    is_valid,
-    no_new_data,
-)
-from ev_msgs_py.can.drive_states import (
-    DISABLE_VOLTAGE,
-    FAULT,
-    FAULT_REACTION_ACTIVE,
-    FAULT_RESET,
-    OPERATION_ENABLED,
-    REMOTE,
-    SWITCH_ON_DISABLED,
-    controlword_towards_operation,
-    state_of,
-)
+from ev_core.bus import checking
+from ev_msgs_py.can import drive_states
 from ev_msgs_py.can.frames import RPM, SENT, TORQUE_MODE, BenchFrames, DeviceFrames, guarded
 from ev_msgs_py.can.payload import extracted, inserted, next_counter
 from ev_msgs_py.compilable import compilable
@@ -43,7 +22,11 @@ def receive_feedback(f: BenchFrames, own: DeviceFrames, s: Feedback, kind: int, 
         s.heard = 1.0
         if _is_good(s, s.motion, payload, f.motion.length, data_id):
             word = int(extracted(payload, f.motion.statusword))
-            s.age, s.state, s.remote = 0.0, float(state_of(word)), 1.0 if word & REMOTE != 0 else 0.0
+            s.age, s.state, s.remote = (
+                0.0,
+                float(drive_states.state_of(word)),
+                1.0 if word & drive_states.REMOTE != 0 else 0.0,
+            )
             s.torque = extracted(payload, f.motion.torque)
             s.torque_sum += s.torque
             s.torque_count += 1.0
@@ -64,22 +47,14 @@ def receive_feedback(f: BenchFrames, own: DeviceFrames, s: Feedback, kind: int, 
 
 
 @compilable
-def _is_good(s: Feedback, checked: CheckState, payload: int, length: float, data_id: float) -> bool:
-    status = check(TOLERANCES, checked, payload, int(length), int(data_id))
-    if is_valid(status):
+def _is_good(s: Feedback, checked: checking.CheckState, payload: int, length: float, data_id: float) -> bool:
+    status = checking.check(checking.TOLERANCES, checked, payload, int(length), int(data_id))
+    if checking.is_valid(status):
         s.lost += checked.lost_data
         return True
-    if status in (WRONG_CRC, REPEATED, WRONG_SEQUENCE):
+    if status in (checking.WRONG_CRC, checking.REPEATED, checking.WRONG_SEQUENCE):
         s.refused += 1.0
     return False
-
-
-@compilable
-def end_cycle(s: Feedback) -> None:
-    """Tell the check of the fastest frame when none has come since the last call."""
-    if s.heard == 0.0:
-        no_new_data(s.motion)
-    s.heard = 0.0
 
 
 _QUIET = 0.005  # s without torque, command or reset bit, with which a reset begins: its bit shall be seen to rise
@@ -92,10 +67,10 @@ def advance_gateway(p: GatewayParameters, s: Gateway, ticks: float, period: floa
     """Lead all devices over some ticks, `period` [s] in all, after the frames of this cycle."""
     if s.waits != 0.0:
         _enable_where_possible(p, s)
-    _advance(p, s.drive_11, period)
-    _advance(p, s.drive_12, period)
-    _advance(p, s.load_11, period)
-    _advance(p, s.load_12, period)
+    advance_device(p, s.drive_11, period)
+    advance_device(p, s.drive_12, period)
+    advance_device(p, s.load_11, period)
+    advance_device(p, s.load_12, period)
     if p.fault_stops == BOTH and (is_faulty(s.drive_11) or is_faulty(s.drive_12)):
         s.drive_11.enable = s.drive_12.enable = 0.0
     s.tick += ticks
@@ -122,21 +97,18 @@ def _enable_where_possible(p: GatewayParameters, s: Gateway) -> None:
 
 
 @compilable
-def _advance(p: GatewayParameters, s: Device, period: float) -> None:
-    end_cycle(s.feedback)
-    advance_device(p, s, period)
-
-
-@compilable
 def advance_device(p: GatewayParameters, s: Device, period: float) -> None:
     """Note what is wrong and how a reset goes on, after the frames of this cycle; everything gets older by `period`."""
+    if s.feedback.heard == 0.0:
+        checking.no_new_data(s.feedback.motion)
+    s.feedback.heard = 0.0
     state = int(s.feedback.state)
     if s.reset_time >= 0.0:
         _advance_reset(p, s, state, period)
     elif s.enable != 0.0:
         if s.feedback.age >= p.feedback_timeout - 0.5 * period:  # not to hang on how the age was rounded
             s.stale = 1.0
-        elif state in (FAULT, FAULT_REACTION_ACTIVE):
+        elif state in (drive_states.FAULT, drive_states.FAULT_REACTION_ACTIVE):
             s.tripped = 1.0
         if s.command_age >= p.command_timeout - 0.5 * period:
             s.command_stale = 1.0
@@ -157,7 +129,7 @@ def _advance_reset(p: GatewayParameters, s: Device, state: int, period: float) -
     """It has succeeded when a fresh statusword, after the bit was sent, is without fault."""
     fresh = s.feedback.age <= p.feedback_timeout
     s.reset_time += period
-    if s.reset_time > 2.0 * _QUIET and fresh and state == SWITCH_ON_DISABLED:
+    if s.reset_time > 2.0 * _QUIET and fresh and state == drive_states.SWITCH_ON_DISABLED:
         s.tripped = s.stale = s.command_stale = s.implausible = s.doubtful_time = 0.0
         s.reset_time = -1.0
     elif s.reset_time > p.reset_timeout:
@@ -187,14 +159,12 @@ def begin_reset(s: Device) -> None:
 def controlword(s: Device) -> int:
     """The controlword of the next set-point."""
     if s.reset_time >= 0.0:
-        return FAULT_RESET if s.reset_time > _QUIET else DISABLE_VOLTAGE
-    return controlword_towards_operation(int(s.feedback.state)) if s.enable != 0.0 else DISABLE_VOLTAGE
-
-
-@compilable
-def may_turn(s: Device) -> bool:
-    """Whether its command may go out: it is enabled, and its statusword confirms it."""
-    return s.enable != 0.0 and int(s.feedback.state) == OPERATION_ENABLED
+        return drive_states.FAULT_RESET if s.reset_time > _QUIET else drive_states.DISABLE_VOLTAGE
+    return (
+        drive_states.controlword_towards_operation(int(s.feedback.state))
+        if s.enable != 0.0
+        else drive_states.DISABLE_VOLTAGE
+    )
 
 
 @compilable
@@ -209,8 +179,11 @@ def command_device(p: GatewayParameters, s: Device, mode: int, value: float) -> 
 
 @compilable
 def set_point(f: BenchFrames, own: DeviceFrames, s: Device, most: float) -> int:
-    """The payload of the next set-point, with a torque of at most `most` [N m]; its counter goes on."""
-    turns = may_turn(s)
+    """The payload of the next set-point, with a torque of at most `most` [N m]; its counter goes on.
+
+    The command goes out where the device is enabled and its statusword confirms it.
+    """
+    turns = s.enable != 0.0 and int(s.feedback.state) == drive_states.OPERATION_ENABLED
     payload = inserted(0, f.set_point.mode, s.mode)
     payload = inserted(payload, f.set_point.controlword, float(controlword(s)))
     payload = inserted(payload, f.set_point.torque, min(max(s.torque, -most), most) if turns else 0.0)

@@ -1,7 +1,5 @@
 """The gateway between the graph and the inverters on a CAN bus."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ev_control.inverter_gateway.gateway import GatewayParameters

@@ -3,8 +3,6 @@
 Commands are wheel torques for the drives, torques or speeds for the load machines; feedback goes out as stock messages.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from math import isfinite
 from typing import Any, NamedTuple

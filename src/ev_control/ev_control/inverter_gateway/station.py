@@ -3,39 +3,13 @@
 `GatewayOnBus` is the role of the graph in real time: orders at the instants, frames on the bus in cycles of 1 ms.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from math import isfinite
 from typing import Any
 
-from ev_control.inverter_gateway.can import (
-    ALL_SAID,
-    HEARTBEATS,
-    LOADS,
-    SAID,
-    command_drives,
-    command_loads,
-    note_faults,
-    press_buttons,
-    watch_bench,
-)
+from ev_control.inverter_gateway import can, leading
 from ev_control.inverter_gateway.gateway import Device, Gateway, GatewayParameters
-from ev_control.inverter_gateway.leading import (
-    DOUBTFUL,
-    LATCHED,
-    MAY_BE_ENABLED,
-    SILENT,
-    WITHOUT_COMMAND,
-    advance_gateway,
-    begin_reset,
-    command_device,
-    heartbeat,
-    receive_feedback,
-    refusal,
-    set_point,
-)
 from ev_core.bus.channel import Frame
 from ev_core.bus.parameters import CIRCUITS, load_database
 from ev_core.lockstep.configuration import Configuration
@@ -78,25 +52,25 @@ class GatewayStation:
         if len(frame.data) != length:
             feedback.refused += 1.0
             return
-        receive_feedback(self._frames, self._own[name], feedback, kind, int.from_bytes(frame.data, "little"))
+        leading.receive_feedback(self._frames, self._own[name], feedback, kind, int.from_bytes(frame.data, "little"))
 
     def command(self, name: str, mode: int, value: float) -> None:
         """What a device shall do: a torque [N m] or a speed [rad/s] at its shaft; ValueError for what is no number."""
         if not isfinite(value):
             raise ValueError(f"command of {name}: {value} is refused, allowed is a finite number")
-        command_device(self.p, self.devices[name], mode, value)
+        leading.command_device(self.p, self.devices[name], mode, value)
 
     def enable(self, names: tuple[str, ...]) -> str:
         """Begin to enable devices, or return the reason, in one line, why none of them is."""
         reasons = {
-            LATCHED: "has a latched fault: reset it first",
-            SILENT: f"says nothing: no valid feedback within {self.p.feedback_timeout:g} s",
-            DOUBTFUL: "measures what cannot be",
-            WITHOUT_COMMAND: f"has no command: none came within {self.p.command_timeout:g} s",
+            leading.LATCHED: "has a latched fault: reset it first",
+            leading.SILENT: f"says nothing: no valid feedback within {self.p.feedback_timeout:g} s",
+            leading.DOUBTFUL: "measures what cannot be",
+            leading.WITHOUT_COMMAND: f"has no command: none came within {self.p.command_timeout:g} s",
         }
         for name in names:
-            found = refusal(self.p, self.devices[name])
-            if found != MAY_BE_ENABLED:
+            found = leading.refusal(self.p, self.devices[name])
+            if found != leading.MAY_BE_ENABLED:
                 return f"{name} {reasons[found]}"
         for name in names:
             self.devices[name].enable = 1.0
@@ -110,12 +84,12 @@ class GatewayStation:
     def reset(self) -> None:
         """Begin the reset sequence of everything; nothing is enabled after it."""
         for device in self.devices.values():
-            begin_reset(device)
+            leading.begin_reset(device)
 
     def step(self, ticks: int = 1) -> list[tuple[str, Frame]]:
         """Advance by some cycles of 1 ms, after the frames of this cycle; what is to be sent, each with its circuit."""
         before = self.s.tick
-        advance_gateway(self.p, self.s, float(ticks), ticks * TICK)
+        leading.advance_gateway(self.p, self.s, float(ticks), ticks * TICK)
         frames = [(name[-2:], self._set_point(name, self._own[name])) for name in DEVICES]
         if is_due(self._frames.heartbeat.ticks, before, self.s.tick):
             frames += [(circuit, self._life_sign(place)) for place, circuit in enumerate(CIRCUITS)]
@@ -123,16 +97,16 @@ class GatewayStation:
 
     def _set_point(self, name: str, own: DeviceFrames) -> Frame:
         most = self.p.torque_limit if name in DRIVES else self.p.load_torque_limit
-        payload = set_point(self._frames, own, self.devices[name], most)
+        payload = leading.set_point(self._frames, own, self.devices[name], most)
         return Frame(int(own.set_point), payload.to_bytes(int(self._frames.set_point.length), "little"))
 
     def _life_sign(self, place: int) -> Frame:
-        payload = heartbeat(self._frames, self.s, place)
+        payload = leading.heartbeat(self._frames, self.s, place)
         return Frame(int(self._frames.ecu), payload.to_bytes(int(self._frames.heartbeat.length), "little"))
 
 
 _DEVICES = ("drive_11", "drive_12", "load_11", "load_12")
-_PLACES = (0, SAID, LOADS, LOADS + SAID)  # of their set-points in SetPointFrames
+_PLACES = (0, can.SAID, can.LOADS, can.LOADS + can.SAID)  # of their set-points in SetPointFrames
 
 
 class GatewayOnBus(LawObject):
@@ -171,7 +145,7 @@ class GatewayOnBus(LawObject):
         now = g.tick
         for tick in range(ticks):
             g.tick = now + tick
-            press_buttons(c.enable_tick, c.reset_tick, g)
+            can.press_buttons(c.enable_tick, c.reset_tick, g)
         g.tick = now
         frames = self.station.step(ticks)
         for circuit, frame in frames:
@@ -191,26 +165,26 @@ class GatewayOnBus(LawObject):
         p, g = self.given["p"], self.station.s
         newest = float(self._newest())
         if newest > g.commanded:  # else it is held from before, and gets too old (`command_timeout`)
-            command_drives(p, g, command)
+            can.command_drives(p, g, command)
         g.commanded = newest
-        command_loads(p, g, load)
+        can.command_loads(p, g, load)
         # The output of the bench at an instant is what it measured before the last one (`BenchOnBus`).
         for place, device in enumerate((g.drive_11, g.drive_12)):
             of = device.feedback
             now, (of.torque_sum, of.torque_count) = (of.torque_sum, of.torque_count), self._heard_before[place]
             self._heard_before[place] = now
-        watch_bench(p, self.given["car"].motor.rotor_inertia, g, load, shafts, self._period)
-        note_faults(self.given["s"])
+        can.watch_bench(p, self.given["car"].motor.rotor_inertia, g, load, shafts, self._period)
+        can.note_faults(self.given["s"])
         return SetPointFrames(*self._said())
 
     def _said(self) -> list[float]:
-        said = [NO_FRAME] * ALL_SAID
+        said = [NO_FRAME] * can.ALL_SAID
         for begin, payloads in self._set_points.items():
             for tick, payload in enumerate(payloads):
                 said[begin + 2 * tick : begin + 2 * tick + 2] = words(payload)
             payloads.clear()
         for place, payload in self._heartbeats.items():
-            said[HEARTBEATS + place] = words(payload)[0]
+            said[can.HEARTBEATS + place] = words(payload)[0]
         self._heartbeats.clear()
         return said
 

@@ -4,8 +4,6 @@ A law that asks left and right for different torques asks for a sum, which drive
 steers. Asked for more than it has each motor cuts its own part, and both change. Here one of the two stays.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 

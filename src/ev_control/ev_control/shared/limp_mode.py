@@ -7,8 +7,6 @@ they are the same for both motors of an axle. So a motor is lost if it gives les
 possible. Where both give less, nothing is lost, and nothing turns the car.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 from operator import attrgetter
@@ -17,7 +15,7 @@ from typing import Any
 from ev_control.estimation.plausible import LARGEST_TORQUE
 from ev_control.estimation.wheel_dynamics import filter_share
 from ev_core.law import NO_WHEELS, Car, Vehicle, Wheels, compilable, copysign, entry, group, per_wheel, setting
-from ev_core.vehicle.layout import Need, each_driven, equal_motors
+from ev_core.vehicle.car import Need, each_driven, equal_motors
 from ev_core.vehicle.motor import driving_torque, generating_torque
 from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand, WheelTorqueRequest
 

@@ -1,15 +1,23 @@
-"""What every electronic differential starts from: equal drive torques, plus a difference of the front wheels.
+"""What electronic differentials start from: equal drive torques, plus a difference of the front wheels.
 
 The difference is the paper's Delta M = M_R - M_L, right minus left: positive turns the car and the front wheels to
-the left (Shchur 2019, eqs 1 to 4).
+the left (Shchur 2019, eqs 1 to 4). By such a difference two front drives assist the hands (eq 4).
 """
-
-from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
 
-from ev_core.law import NO_WHEELS, Car, DriverCommand, Wheels, WheelTorqueRequest, compilable, method, parameter
+from ev_core.law import (
+    NO_WHEELS,
+    Car,
+    DriverCommand,
+    SteeringColumnState,
+    Wheels,
+    WheelTorqueRequest,
+    compilable,
+    method,
+    parameter,
+)
 
 # The method of an electronic differential: left and right are alike to all of them.
 differential = partial(method, "electronic_differential", mirrored=True)
@@ -52,3 +60,30 @@ def split_brake(brake: BrakeSplitParameters, driver: DriverCommand) -> Wheels:
     front = driver.brake_torque * brake.front_share / 2.0
     rear = driver.brake_torque / 2.0 - front
     return Wheels(front, front, rear, rear)
+
+
+@compilable
+def torque_difference_per_steering_moment(car: Car) -> float:
+    """Difference of the front wheel torques that turns the road wheels with 1 N m: 2 r_k/d (Shchur 2019, eq 3)."""
+    return 2.0 * car.wheel_radius / car.front_track
+
+
+@dataclass(frozen=True, slots=True)
+class AssistanceParameters:
+    """Assistance and the virtual spring and damper, all at the steering wheel."""
+
+    gamma: float = parameter(
+        5.0, unit="1", low=0.0, high=50.0, about="amplification of the hand torque", source="Shchur 2019, fig. 1"
+    )
+    k_ck: float = parameter(
+        0.051, unit="N m/rad", low=0.0, high=10.0, about="stiffness of the virtual spring", source="Shchur 2019, eq 7"
+    )
+    b_ck: float = parameter(
+        0.062, unit="N m s/rad", low=0.0, high=10.0, about="virtual damping", source="Shchur 2019, eq 7"
+    )
+
+
+@compilable
+def assistance(p: AssistanceParameters, column: SteeringColumnState) -> float:
+    """Torque at the steering wheel besides that of the hands [N m]: gamma M_b - k_ck alpha - b_ck alpha' (eq 4)."""
+    return p.gamma * column.hand_torque - p.k_ck * column.angle - p.b_ck * column.rate

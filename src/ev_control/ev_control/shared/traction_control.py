@@ -3,8 +3,6 @@
 Here stands which wheels are limited, when torques pass, what is measured, and what the limits make of the request.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
@@ -18,13 +16,7 @@ from ev_core.law import NO_WHEELS, Car, Need, Wheels, WheelSpeedCommand, compila
 from ev_core.methods.law import named_after
 from ev_core.parameters.record import each_wheel, entry, part, per_wheel
 from ev_msgs_py.compilable import FUNCTIONS
-from ev_msgs_py.contract.signals import (
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
+from ev_msgs_py.contract import signals
 
 L = TypeVar("L", bound=Callable[..., float])
 
@@ -55,10 +47,10 @@ class TractionControlState:
 class Measured(NamedTuple):
     """What a traction control is asked for, and what it measures."""
 
-    request: WheelTorqueRequest
-    column: SteeringColumnState
-    wheels: WheelStates
-    imu: InertialMeasurement
+    request: signals.WheelTorqueRequest
+    column: signals.SteeringColumnState
+    wheels: signals.WheelStates
+    imu: signals.InertialMeasurement
 
 
 @compilable
@@ -132,7 +124,7 @@ def watch(
 
 
 @compilable
-def limited(home: Any, car: Car, s: Any, period: float, measured: Measured) -> WheelTorqueCommand:
+def limited(home: Any, car: Car, s: Any, period: float, measured: Measured) -> signals.WheelTorqueCommand:
     """The requested torques [N m], those of wheels with a limit not above it: never more, and never of the other sign.
 
     With `limp.watch` of the parameters the partner of a lost motor mirrors it, within its own limit.
@@ -146,13 +138,13 @@ def limited(home: Any, car: Car, s: Any, period: float, measured: Measured) -> W
     )
     if limp.watch == 1.0:
         return without_yaw(limp.plausibility, car, s.control.motors, period, request, torques, measured.wheels)
-    return WheelTorqueCommand(torques, request.brake)
+    return signals.WheelTorqueCommand(torques, request.brake)
 
 
 @compilable
 def set_points(
     _home: Any, car: Car, s: Any, _period: float, measured: Measured
-) -> tuple[WheelTorqueCommand, WheelSpeedCommand]:
+) -> tuple[signals.WheelTorqueCommand, WheelSpeedCommand]:
     """The requested torques [N m] as they are, and set-points [rad/s] in their direction: for slipping wheels a limit.
 
     For all others it is the largest speed of the motor, out of reach, which leaves the torque to the request. The state
@@ -165,7 +157,7 @@ def set_points(
         copysign(min(s.wheels[2].limit, fastest / car.gear[2]), drive[2]),
         copysign(min(s.wheels[3].limit, fastest / car.gear[3]), drive[3]),
     )
-    return WheelTorqueCommand(drive, measured.request.brake), WheelSpeedCommand(speeds)
+    return signals.WheelTorqueCommand(drive, measured.request.brake), WheelSpeedCommand(speeds)
 
 
 @compilable
@@ -231,12 +223,12 @@ def traction_control(
     `set_points` says, and has no limp mode. `needs` are what it asks of the vehicle besides.
     """
     home_of = HOMES[reference]
-    how: dict[str, Any] = {"writes": (WheelTorqueCommand,)}
+    how: dict[str, Any] = {"writes": (signals.WheelTorqueCommand,)}
     lacks: tuple[Need, ...] = (*needs, reference_speed.free_wheels_for(reference))
     answer: Callable[..., Any] = limited
     if speed_mode:
         answer = set_points
-        how = {"writes": (WheelTorqueCommand, WheelSpeedCommand), "requires": {"plant": "planar_speed_mode"}}
+        how = {"writes": (signals.WheelTorqueCommand, WheelSpeedCommand), "requires": {"plant": "planar_speed_mode"}}
     else:
         lacks = (*lacks, limp_mode_for(f"{reference.rpartition('.')[0]}.limp".lstrip(".")))
     begin = forget or _beginning(wheel)
@@ -260,10 +252,10 @@ def traction_control(
             car: Car,
             s: Any,
             period: float,
-            request: WheelTorqueRequest,
-            column: SteeringColumnState,
-            wheels: WheelStates,
-            imu: InertialMeasurement,
+            request: signals.WheelTorqueRequest,
+            column: signals.SteeringColumnState,
+            wheels: signals.WheelStates,
+            imu: signals.InertialMeasurement,
         ) -> Any:
             home, measured = home_of(p), Measured(request, column, wheels, imu)
             watch(limit_of, begin, home.reference, p, car, s, period, measured)

@@ -1,23 +1,12 @@
 """Holding a method against the contract: all checks, and one error that lists what they found."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from ev_core.check.inputs import RandomInputs
+from ev_core.check import state
 from ev_core.check.mirror import asymmetry
 from ev_core.check.reached import Reached, inexact, reached
-from ev_core.check.state import (
-    differing_bits,
-    impurity,
-    lost_by_live_change,
-    lost_state,
-    not_finite,
-    not_refused,
-    unnamed_state,
-)
-from ev_core.check.stepping import MakesInputs, Subject
+from ev_core.check.stepping import MakesInputs, RandomInputs, Subject
 from ev_core.lockstep.configuration import Configuration, configure, refuse_unused
 
 SEEDS = (1, 2)
@@ -97,20 +86,26 @@ def _findings(
         if found:  # what plain Python shows need not be said twice, and compiled code would fail less gently
             return
     if can_compile:
-        differs = _first(differing_bits(configuration, steps, seed, inputs) for seed in seeds)
+        differs = _first(state.differing_bits(configuration, steps, seed, inputs) for seed in seeds)
         if differs:
             yield f"compiled and interpreted differ, {differs}"
 
 
 def _of(subject: Subject, seeds: Sequence[int], mirrored: bool) -> Iterator[str]:
     """What is wrong with one form of a method; what cannot be stepped at all is not looked at any further."""
-    checks = [impurity, lost_state, lost_by_live_change, not_refused, *([asymmetry] if mirrored else [])]
+    checks = [
+        state.impurity,
+        state.lost_state,
+        state.lost_by_live_change,
+        state.not_refused,
+        *([asymmetry] if mirrored else []),
+    ]
     for seed in seeds:
-        stumbles = not_finite(subject, seed)
+        stumbles = state.not_finite(subject, seed)
         if stumbles:
             yield f"{subject.form}, {stumbles} (seed {seed})"
             return
-    unnamed = unnamed_state(subject)
+    unnamed = state.unnamed_state(subject)
     if unnamed:
         yield unnamed
     for check in checks:

@@ -4,43 +4,38 @@ Mirrored means: values of left and right wheels are exchanged, and `lateral` qua
 where they are declared, at the field of the signal or at the parameter. Zero has no sign here.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from ev_core.check.stepping import Subject, difference, said
+from ev_core.check.stepping import Subject, difference, outputs
 from ev_core.lockstep.configuration import Configuration
 from ev_core.parameters.declaration import Entry
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import shape_of
-from ev_msgs_py.contract.frame import Frame
 
 _SIDES = {"left": "right", "right": "left"}
 
 
 def asymmetry(subject: Subject, seed: int) -> str:
     """What differs between the mirror image of a run and the run of the mirror image; empty if nothing."""
-    other = Subject(mirrored_configuration(subject.configuration), subject.compiled, subject.steps, subject.inputs)
+    other = replace(subject, configuration=mirrored_configuration(subject.configuration))
     frames = subject.frames(seed)
-    image = [mirrored(raw) for raw in said(subject.part(), frames)]
-    of_image = [_unsigned_zeros(raw) for raw in said(other.part(), [_mirrored_frame(here) for here in frames])]
-    found = difference(subject, image, of_image)
-    return (
-        f"left and right are not alike: the mirror image and the run of the mirror image differ, {found}"
-        if found
-        else ""
-    )
+    image, of_image = mirrored(outputs(subject.part(), frames)), outputs(other.part(), mirrored(frames))
+    if not (found := difference(subject, image, of_image + 0.0)):
+        return ""
+    return f"left and right are not alike: the mirror image and the run of the mirror image differ, {found}"
 
 
-def mirrored(raw: bytes) -> bytes:
-    """The mirror image of a frame; zeros in it are positive."""
+def mirrored(frames: np.ndarray) -> np.ndarray:
+    """The mirror images of frames, (..., frame.SIZE); zeros in them are positive."""
     order, sign = _in_the_mirror()
-    return _unsigned_zeros((np.frombuffer(raw)[order] * sign).tobytes())
+    images: np.ndarray = frames[..., order] * sign + 0.0
+    return images
 
 
 def mirrored_numbers(kind: type, numbers: Sequence[float]) -> list[float]:
@@ -67,16 +62,6 @@ def _order(kind: type) -> Sequence[int]:
 def _exchanged(row: Sequence[Any]) -> list[Any]:
     """A row of values by wheel, once or several times, with left and right exchanged."""
     return [row[i ^ 1] for i in range(len(row))]
-
-
-def _mirrored_frame(here: Frame) -> Frame:
-    image = Frame()
-    image.numbers[:] = memoryview(mirrored(here.numbers.tobytes())).cast("d")
-    return image
-
-
-def _unsigned_zeros(raw: bytes) -> bytes:
-    return (np.frombuffer(raw) + 0.0).tobytes()
 
 
 def mirrored_configuration(configuration: Configuration) -> Configuration:

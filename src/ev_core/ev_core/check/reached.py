@@ -5,8 +5,6 @@ them with the brakes pressed. A function of math or numpy is exact if every C li
 (docs/elementary_functions.md).
 """
 
-from __future__ import annotations
-
 import dis
 import math
 import sys
@@ -21,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.check.stepping import Subject, said
+from ev_core.check.stepping import Subject, outputs
 from ev_core.compiling.fingerprint import Reach
 from ev_core.methods.register import Method
 
@@ -67,7 +65,7 @@ def reached(subject: Subject, seeds: Sequence[int]) -> Reached:
         return Reached({}, {})
     with _counting(codes, calls, lines):
         for seed in seeds:
-            said(subject.part(), subject.frames(seed))
+            outputs(subject.part(), subject.frames(seed))
     known = {(code, line) for code in codes for line in _lines_of(code)}
     return Reached(calls, {(Path(code.co_filename).name, line): lines[code, line] for code, line in known})
 

@@ -5,28 +5,22 @@ leaves a method nor stays in it, and what has no direction has no sign. A law st
 compiled and in plain Python, gives every number with the same bits.
 """
 
-from __future__ import annotations
-
 import copy
 import random
 from collections import Counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ev_core.check.inputs import ExtremeInputs, RandomInputs
-from ev_core.check.stepping import MakesInputs, Subject, difference, frame_of, numbers_in, said, stepped
-from ev_core.compiled.loop import call_part
+from ev_core.check.stepping import ExtremeInputs, MakesInputs, RandomInputs, Subject, difference, outputs, stepped
 from ev_core.compiled.part import CompiledPart
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.parts import hand_over
-from ev_core.methods.part import Part
+from ev_core.methods.part import Part, PythonPart
 from ev_core.methods.register import create
 from ev_core.parameters.declaration import entries
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import SignalError, shape_of
-from ev_msgs_py.contract.roles import ROLES, RoleKind
 
 
 def impurity(subject: Subject, seed: int) -> str:
@@ -36,8 +30,8 @@ def impurity(subject: Subject, seed: int) -> str:
     share, in the class, the module or a random generator of the process, shows there.
     """
     frames, others = subject.frames(seed), subject.frames(seed + 1)
-    alone = said(subject.part(), frames)
-    again = said(subject.part(), frames)
+    alone = outputs(subject.part(), frames)
+    again = outputs(subject.part(), frames)
     found = difference(subject, alone, again)
     if found:
         return f"the same inputs give other outputs the second time, {found}"
@@ -46,7 +40,7 @@ def impurity(subject: Subject, seed: int) -> str:
     for here, elsewhere in zip(frames, others, strict=True):
         stepped(other, elsewhere)
         taking_turns.append(stepped(part, here))
-    found = difference(subject, alone, taking_turns)
+    found = difference(subject, alone, np.array(taking_turns))
     return f"another object of the method disturbs it, {found}" if found else ""
 
 
@@ -55,17 +49,15 @@ def lost_state(subject: Subject, seed: int) -> str:
     frames = subject.frames(seed)
     stop = random.Random(seed).randrange(1, len(frames))
     steady, stopped = subject.part(), subject.part()
-    said(steady, frames[:stop])
-    said(stopped, frames[:stop])
+    outputs(steady, frames[:stop])
+    outputs(stopped, frames[:stop])
     saved, fresh = copy.deepcopy(stopped.state), subject.part()
-    said(stopped, frames[stop:])  # whatever it does now is nothing to what was saved
+    outputs(stopped, frames[stop:])  # whatever it does now is nothing to what was saved
     fresh.state = saved
-    found = difference(subject, said(steady, frames[stop:]), said(fresh, frames[stop:]))
-    return (
-        f"the state does not hold all that lasts: loaded after {stop} steps it goes on otherwise, {found}"
-        if found
-        else ""
-    )
+    found = difference(subject, outputs(steady, frames[stop:]), outputs(fresh, frames[stop:]))
+    if not found:
+        return ""
+    return f"the state does not hold all that lasts: loaded after {stop} steps it goes on otherwise, {found}"
 
 
 def lost_by_live_change(subject: Subject, seed: int) -> str:
@@ -78,11 +70,11 @@ def lost_by_live_change(subject: Subject, seed: int) -> str:
     frames = subject.frames(seed)
     stop = len(frames) // 2
     steady, part = subject.part(), subject.part()
-    said(steady, frames[:stop])
-    said(part, frames[:stop])
+    outputs(steady, frames[:stop])
+    outputs(part, frames[:stop])
     made = Subject(changed, subject.compiled, subject.steps).part()
     hand_over(part, made)
-    found = difference(subject, said(steady, frames[stop:]), said(made, frames[stop:]))
+    found = difference(subject, outputs(steady, frames[stop:]), outputs(made, frames[stop:]))
     return f"parameters set to their own values after {stop} steps change the run, {found}" if found else ""
 
 
@@ -113,7 +105,7 @@ def not_finite(subject: Subject, seed: int) -> str:
             raw = stepped(part, here)
         except Exception as error:  # whatever a stranger's law raises is a finding
             return f"plausible inputs, step {step}: {_said(error)}"
-        if negative := _negative(subject, numbers_in(raw)):
+        if negative := _negative(subject, raw):
             return f"plausible inputs, step {step}: {negative}"
     return "plausible inputs leave NaN in the state" if _holds_nan(part) else ""
 
@@ -158,43 +150,13 @@ def _said(error: Exception) -> str:
 
 def differing_bits(configuration: Configuration, steps: int, seed: int, inputs: MakesInputs = RandomInputs) -> str:
     """What differs first between the compiled and the interpreted form of a configured law; empty if nothing does."""
-    method = configuration.method
-    settings = (configuration.parameters, configuration.common.vehicle, configuration.common.control_period)
-    compiled, plain = CompiledPart(method, *settings), create(method, *settings)
-    integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
-    given = inputs(method.reads, seed, configuration.common.control_period)
-    for step in range(steps):
-        signals = given.next()
-        here, there = np.array(frame_of(method.reads, signals).numbers), np.zeros(frame.SIZE)
-        function, state, constants = compiled.addresses()
-        if integrates:
-            call_part(function, here.ctypes.data, there.ctypes.data, state, constants)
-            plain.advance(*signals)
-            said = plain.outputs()
-        else:
-            there = here
-            call_part(function, here.ctypes.data, here.ctypes.data, state, constants)
-            answer = plain.step(*signals)
-            said = (answer,) if len(method.writes) == 1 else answer
-        for signal, kind in zip(said, method.writes, strict=True):
-            expected = shape_of(kind).carried(shape_of(kind).flat(signal))
-            differing = _differing(there[frame.PLACES[kind]], expected)
-            if differing:
-                place, values = differing
-                return f"step {step}: {kind.__name__}.{shape_of(kind).channels[place]} is {values}"
-        # Compiled, a law without a state has one number in its memory.
-        differing = _differing(compiled.state[: len(plain.state)], plain.state)
-        if differing:
-            place, values = differing
-            return f"step {step}: number {place} of the state is {values}"
-    return ""
-
-
-def _differing(compiled: ArrayLike, interpreted: ArrayLike) -> tuple[int, str] | None:
-    """The first place where the bits differ, and both values there; None if all are the same."""
-    pair = [np.asarray(numbers, dtype=float) for numbers in (compiled, interpreted)]
-    one, other = (numbers.view(np.int64) for numbers in pair)
-    if np.array_equal(one, other):
-        return None
-    place = int(np.flatnonzero(one != other)[0])
-    return place, f"{float(pair[0][place])!r} compiled, {float(pair[1][place])!r} interpreted"
+    method, common = configuration.method, configuration.common
+    settings = (configuration.parameters, common.vehicle, common.control_period)
+    compiled, plain = CompiledPart(method, *settings), PythonPart(method, create(method, *settings))
+    count = len(plain.state)  # compiled, a law without a state has one number in its memory
+    subject = Subject(configuration, True, steps, inputs)
+    ones, others = (
+        np.array([np.append(stepped(part, here), part.state[:count]) for here in subject.frames(seed)])
+        for part in (compiled, plain)
+    )
+    return difference(subject, ones, others)

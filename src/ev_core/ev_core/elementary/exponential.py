@@ -1,7 +1,5 @@
 """The exponential function and the logarithm, also of one more and less one, and the hyperbolic functions."""
 
-from __future__ import annotations
-
 from math import frexp, inf, isqrt, ldexp, nan
 
 from ev_core.elementary.parts import ROUND, upper_half

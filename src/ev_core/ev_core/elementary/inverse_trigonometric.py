@@ -1,7 +1,5 @@
 """Arc sine, arc cosine, arc tangent, and the angle of a vector in the plane."""
 
-from __future__ import annotations
-
 from math import copysign, inf, nan, sqrt
 
 from ev_core.elementary.parts import HALF_PI, HALF_PI_TAIL, PI, PI_TAIL, QUARTER_PI, QUARTER_PI_TAIL, upper_half

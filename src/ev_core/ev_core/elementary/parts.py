@@ -1,7 +1,5 @@
 """Numbers in two parts, for what 53 bits cannot hold; exact remainders, and the length of a vector in the plane."""
 
-from __future__ import annotations
-
 from math import copysign, inf, nan, sqrt
 
 from ev_msgs_py.compilable import compilable

@@ -1,7 +1,5 @@
 """Sine, cosine and tangent of an angle, as quarter turns and a rest of at most an eighth, however many turns."""
 
-from __future__ import annotations
-
 from math import floor, frexp, inf, ldexp, nan
 
 from ev_core.elementary.parts import HALF_PI, HALF_PI_TAIL, QUARTER_PI, QUARTER_PI_TAIL, ROUND, upper_half

@@ -5,8 +5,6 @@ Polynomials with the least largest relative error (Remez, Comptes rendus 198, 19
 Estrin (Proc. Western Joint Computer Conference, 1960), whose terms do not wait for each other.
 """
 
-from __future__ import annotations
-
 from ev_core.elementary.parts import HALF_PI, PI, QUARTER_PI
 from ev_msgs_py.compilable import inlined
 

@@ -1,7 +1,5 @@
 """One fault, as a text: KIND WHERE [VALUE] [from SECONDS] [until SECONDS], and the kinds that there are."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -8,8 +8,6 @@ A row of numbers has the settings of the faults behind one object, another one w
 `FaultRow` makes both rows, and steps them in plain Python.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Iterator, Sequence
 from typing import Any

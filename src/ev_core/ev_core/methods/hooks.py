@@ -1,26 +1,22 @@
 """What a class offers that is a method, as protocols: one per kind of role, and what it may offer besides.
 
 A class satisfies them by having what they name; it need not inherit from anything. `check.method.check_method` holds it
-against what the docstrings say.
-"""
+against what the docstrings say. Its objects are made by `factory(parameters, vehicle, period)`, and are at rest then:
+`parameters` are an instance of its parameter dataclass, `vehicle` is the `Vehicle` and `period` the control period [s].
+An object knows nothing else: no clock, no random numbers but seeded ones whose generator is in the state, no other
+object. Its `state` is all that lasts between steps: None, or a row of numbers, which can be set to that of another one.
 
-from __future__ import annotations
+The class itself has `parameters`, the parameter dataclass, and may have
+
+- `writes`, the part of its role's signals that it can know; without it all,
+- `requires`, by role the method, or by ROLE.PARAMETER its value, without which it makes no sense,
+- `needs`, what the vehicle must have (`vehicle.car.Need`),
+- `mirrored`, whether left and right are alike to it: `check.mirror` says what that means.
+"""
 
 from typing import Any, Protocol, runtime_checkable
 
 from ev_msgs_py.contract.roles import ROLES, RoleKind
-
-
-class Stateful(Protocol):
-    """What every object of a method has; it is made by `factory(parameters, vehicle, period)`, and is at rest then.
-
-    `parameters` are an instance of its parameter dataclass, `vehicle` is the `Vehicle` and `period` the control period
-    [s]. The object knows nothing else: no clock, no random numbers but seeded ones whose generator is in the state, no
-    other object.
-    """
-
-    state: Any
-    """All that lasts between steps: None, or a row of numbers, which can be set to that of another object."""
 
 
 @runtime_checkable
@@ -61,25 +57,6 @@ class ReadingFiles(Protocol):
     @staticmethod
     def load_files(parameters: Any) -> Any:
         """The parameters with what their files hold; ParameterError if one cannot be read."""
-
-
-class Declaring(Protocol):
-    """What the class itself says; `parameters` it must, the others it may."""
-
-    parameters: type
-    """The parameter dataclass."""
-
-    writes: tuple[type, ...]
-    """The part of its role's signals that it can know; without it all."""
-
-    requires: dict[str, str]
-    """By role the method, or by ROLE.PARAMETER its value, without which this one makes no sense."""
-
-    needs: tuple[Any, ...]
-    """What the vehicle must have (`vehicle.layout.Need`)."""
-
-    mirrored: bool
-    """Whether left and right are alike to it: `check.mirror` says what that means."""
 
 
 _HOOKS = {RoleKind.ANSWERS: Answering, RoleKind.INTEGRATES: Integrating}

@@ -3,8 +3,6 @@
 There is one kind of step for all ways of running: offline, in one process, as processes, in lockstep, in real time.
 """
 
-from __future__ import annotations
-
 import ctypes
 import math
 from array import array

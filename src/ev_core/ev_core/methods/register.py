@@ -21,8 +21,8 @@ from ev_core.methods.hooks import refuse_lacking
 from ev_core.methods.law import Law, declared_law, given_names
 from ev_core.parameters.declaration import entries, group, setting
 from ev_core.parameters.values import entries_by_name, refuse_undeclared
+from ev_core.vehicle.car import refusal
 from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.layout import refusal
 from ev_msgs_py.contract.roles import EXTRA, INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
@@ -207,7 +207,8 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
         else:
             refuse_lacking(role, name, factory)
         refuse_undeclared(who, factory.parameters)
-        function = _stepping(role, factory)
+        hook = "advance" if ROLES[role].kind is RoleKind.INTEGRATES else "step"
+        function = factory.function if isinstance(factory, Law) else getattr(factory, hook)
         hints = typing.get_type_hints(function)
         given = given_names(function) if parameters is not None else ("self",)
         arguments = [name for name in inspect.signature(function).parameters if name not in given]
@@ -215,7 +216,7 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
             raise TypeError(f"{who}: argument {bare[0]} has no annotation that names its signal")
         reads = tuple(hints[name] for name in arguments)
         for signal in reads:
-            if not ROLES[role].may_read(signal):
+            if signal is not Instant and signal not in ROLES[role].reads:
                 asked = getattr(signal, "__name__", signal)
                 raise TypeError(f"{who}: a {role} does not read {asked} (see roles.py)")
         try:
@@ -240,13 +241,6 @@ def refuse_taken(who: str, parameters: type, taken: Iterable[str] = ()) -> None:
         is_fault = name == FAULTS.name and entry != FAULTS
         if name.partition(".")[0] in groups or name in taken or is_fault:
             raise ParameterError(f"{who}: parameter {name} is refused: every node has one of this name, take another")
-
-
-def _stepping(role: str, factory: Any) -> Callable[..., Any]:
-    if isinstance(factory, Law):
-        return factory.function
-    hook: Callable[..., Any] = factory.advance if ROLES[role].kind is RoleKind.INTEGRATES else factory.step
-    return hook
 
 
 def registered_by(module: str, run: Callable[[], None]) -> dict[str, dict[str, Method]]:

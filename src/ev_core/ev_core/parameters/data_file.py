@@ -43,13 +43,9 @@ def config_folders() -> tuple[Path, ...]:
 
 @cache
 def _installed() -> tuple[Path, ...]:
-    packages = sorted({point.value for point in entry_points(group=_GROUP)})
-    return tuple(Path(folder) / "config" for name in packages for folder in _locations(name))
-
-
-def _locations(package: str) -> list[str]:
-    spec = find_spec(package)
-    return list(spec.submodule_search_locations or ()) if spec is not None else []
+    specs = map(find_spec, sorted({point.value for point in entry_points(group=_GROUP)}))
+    folders = (folder for spec in specs if spec is not None for folder in spec.submodule_search_locations or ())
+    return tuple(Path(folder) / "config" for folder in folders)
 
 
 def find_in_config(name: str) -> Path | None:

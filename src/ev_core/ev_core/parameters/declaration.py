@@ -4,8 +4,6 @@ Everything that needs to know a parameter (ROS declaration, validation, YAML che
 derived from the field, so a parameter is written down exactly once.
 """
 
-from __future__ import annotations
-
 import types
 import typing
 from collections.abc import Iterator
@@ -49,29 +47,15 @@ class Spec:
         return f"{low} to {high}{unit}"
 
 
-def parameter(
-    default: Any,
-    *,
-    about: str,
-    unit: str = "",
-    low: float | None = None,
-    high: float | None = None,
-    choices: tuple[str, ...] = (),
-    source: str = _ASSUMED,
-    read_only: bool = False,
-    lateral: bool = False,
-    per_wheel: bool = False,
-    own: bool = False,
-) -> Any:
-    """Declare one field of a parameter dataclass.
+def parameter(default: Any, *, about: str, source: str = _ASSUMED, **more: Any) -> Any:
+    """Declare one field of a parameter dataclass, with what else `Spec` has by name.
 
     `low` and `high` are inclusive and in `unit` (SI, "1" for a pure number, empty for text and switches); for an array
     they hold for each element. `source` says where the default comes from. `read_only` parameters are fixed when a node
     starts. Where left and right are exchanged, `lateral` ones change their sign, and arrays `per_wheel` are in another
-    order. Of `own` ones everything that is described by such parameters has its own value: no default can stand for it.
+    order; `own` ones are declared by `own`.
     """
-    spec = Spec(about, unit, low, high, choices, source, read_only, lateral, per_wheel, own)
-    return field(default=default, metadata={_SPEC: spec})
+    return field(default=default, metadata={_SPEC: Spec(about, source=source, **more)})
 
 
 def is_declared(field: Field[Any]) -> bool:
@@ -82,6 +66,11 @@ def is_declared(field: Field[Any]) -> bool:
 def setting(default: Any, **about: Any) -> Any:
     """Declare a field as `parameter` does, one whose value is chosen or describes a thing, so that it has no source."""
     return parameter(default, source="", **about)
+
+
+def own(default: Any, **about: Any) -> Any:
+    """Declare a `setting` for which everything that it describes states a value: no default can stand for that."""
+    return setting(default, own=True, **about)
 
 
 def group(of: type, **changed: Any) -> Any:

@@ -4,8 +4,6 @@ A record is a dataclass with slots whose fields are made by `entry`, `per_wheel`
 `each_wheel`. Python works on its instances; compiled code on the same numbers in one row of float64, by the same names.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, fields, is_dataclass
 from functools import cache

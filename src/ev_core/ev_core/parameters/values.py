@@ -4,8 +4,6 @@ Numbers with a unit as people write them, "80 km/h", made into the unit in which
 A list and no algebra of units: what is accepted can be read here, and stands in what a refusal says.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re
@@ -59,6 +57,7 @@ def number_of(text: str, unit: str) -> float | None:
 
 
 P = TypeVar("P")
+_ELEMENTS = {float: "numbers", int: "whole numbers", bool: "true or false", str: "texts"}
 
 
 def check(entry: Entry, value: Any) -> Any:
@@ -69,7 +68,7 @@ def check(entry: Entry, value: Any) -> Any:
     value = plain(value)
     if entry.is_array:
         if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, Iterable):
-            raise _refused(entry, value, f"an array of {_type_word(entry.type)}")
+            raise _refused(entry, value, f"an array of {_ELEMENTS[entry.type]}")
         return tuple(_check_element(entry, plain(element)) for element in value)
     return _check_element(entry, value)
 
@@ -135,10 +134,6 @@ def _with_unit(entry: Entry, text: str) -> float:
         with_unit = f", or a text of a number and one of {', '.join(units)}" if units else ""
         raise _refused(entry, text, f"a number, {entry.spec.allowed}{with_unit}")
     return number
-
-
-def _type_word(of: type) -> str:
-    return {float: "numbers", int: "whole numbers", bool: "true or false", str: "texts"}[of]
 
 
 def _refused(entry: Entry, value: Any, allowed: str) -> ParameterError:

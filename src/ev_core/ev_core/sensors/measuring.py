@@ -7,8 +7,6 @@ A row of numbers has the settings of the sensors behind one object, another one 
                                                   its way
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache

@@ -5,8 +5,6 @@ SC '11 (2011), doi 10.1145/2063384.2063405. Words are of 32 bits. A product of t
 code, where an integer has 64 bits and a sign, but both its words come out right.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import zlib
 from typing import Any, TypeVar

@@ -3,8 +3,6 @@
 The quantities are the fields of the signals, by the sensor that each of them names.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, make_dataclass
@@ -12,22 +10,7 @@ from functools import cache
 from typing import Any
 
 from ev_core.parameters.declaration import defaults, group
-from ev_core.sensors.measuring import (
-    COUNT,
-    DELAY,
-    DISTRIBUTIONS,
-    FIRST,
-    HEADING,
-    MEMORY,
-    NUMBERS,
-    SENSOR_NAME,
-    SENSOR_WIDTH,
-    SENSORS_HEAD,
-    SHARE,
-    Numbers,
-    measure,
-    sensor_parameters,
-)
+from ev_core.sensors import measuring
 from ev_msgs_py.contract import frame, signals
 from ev_msgs_py.contract import optional_signals as optional
 from ev_msgs_py.contract.fields import shape_of
@@ -56,8 +39,8 @@ _MEASURED = (
 
 # A heading is carried by two numbers of a quaternion, a charge is a share of the capacity: how, and in which order.
 _SPECIAL = {
-    "body_heading": (HEADING, ("orientation_z", "orientation_w"), ""),
-    "battery_state_of_charge": (SHARE, ("state_of_charge", "charge"), "capacity"),
+    "body_heading": (measuring.HEADING, ("orientation_z", "orientation_w"), ""),
+    "battery_state_of_charge": (measuring.SHARE, ("state_of_charge", "charge"), "capacity"),
 }
 
 
@@ -72,13 +55,13 @@ class Quantity:
     name: str
     signal: type
     fields: tuple[str, ...]
-    kind: int = NUMBERS
+    kind: int = measuring.NUMBERS
     whole: str = ""
 
     @property
     def unit(self) -> str:
         """Unit of the numbers and of the sensor's errors."""
-        return "rad" if self.kind == HEADING else shape_of(self.signal).fields[self.fields[0]].unit
+        return "rad" if self.kind == measuring.HEADING else shape_of(self.signal).fields[self.fields[0]].unit
 
     @property
     def largest(self) -> float:
@@ -88,7 +71,7 @@ class Quantity:
     @property
     def parameters(self) -> type:
         """The parameter dataclass of its sensor."""
-        return sensor_parameters(self.unit, self.largest)
+        return measuring.sensor_parameters(self.unit, self.largest)
 
     @property
     def places(self) -> tuple[int, ...]:
@@ -101,7 +84,7 @@ class Quantity:
     @property
     def count(self) -> int:
         """How many numbers have errors."""
-        return len(self.places) if self.kind == NUMBERS else 1
+        return len(self.places) if self.kind == measuring.NUMBERS else 1
 
     def parts(self, driven: Collection[str]) -> list[range]:
         """Which of these numbers there are with wheels `driven`: a test bench has circuits for their axles only."""
@@ -117,7 +100,7 @@ def _quantities(signal: type) -> list[Quantity]:
     for name, field in shape_of(signal).fields.items():
         if field.sensor:
             fields[field.sensor] = (*fields.get(field.sensor, ()), name)
-    kinds = {sensor: _SPECIAL.get(sensor, (NUMBERS, names, "")) for sensor, names in fields.items()}
+    kinds = {sensor: _SPECIAL.get(sensor, (measuring.NUMBERS, names, "")) for sensor, names in fields.items()}
     return [Quantity(sensor, signal, names, kind, whole) for sensor, (kind, names, whole) in kinds.items()]
 
 
@@ -139,22 +122,26 @@ class SensorRow:
     """
 
     def __init__(self, parameters: Any, seed: int, driven: Collection[str] = WHEEL_NAMES) -> None:
-        self.constants = [0.0] * SENSORS_HEAD
+        self.constants = [0.0] * measuring.SENSORS_HEAD
         self._size = 1
         for quantity, errors in imperfect(parameters):
             for part in quantity.parts(driven):
                 self.constants += self._told(quantity, errors, seed, part)
         total = len(self.constants)
-        self.constants[:SENSORS_HEAD] = float(total), float(self._size), float((total - SENSORS_HEAD) // SENSOR_WIDTH)
+        self.constants[: measuring.SENSORS_HEAD] = (
+            float(total),
+            float(self._size),
+            float((total - measuring.SENSORS_HEAD) // measuring.SENSOR_WIDTH),
+        )
         self.start()
 
     def _told(self, quantity: Quantity, errors: Any, seed: int, part: range) -> list[float]:
-        places = quantity.places[part.start : part.start + 1] if quantity.kind == NUMBERS else quantity.places
+        places = quantity.places[part.start : part.start + 1] if quantity.kind == measuring.NUMBERS else quantity.places
         memory, self._size = self._size, self._size + 1 + len(part) * (1 + errors.delay)
         told = [quantity.kind, *places, *[0] * (3 - len(places)), len(part), shape_of(quantity.signal).has_single]
         told += [memory, errors.offset, errors.least_noise, errors.quantisation, errors.delay, errors.dropout]
         told += [seed, zlib.crc32(quantity.name.encode()), errors.gain, errors.lowest, errors.highest]
-        told += [DISTRIBUTIONS.index(errors.distribution), errors.noise_of_reading, part.start // 2]
+        told += [measuring.DISTRIBUTIONS.index(errors.distribution), errors.noise_of_reading, part.start // 2]
         return [float(value) for value in told]
 
     def start(self) -> None:
@@ -164,11 +151,18 @@ class SensorRow:
     def go_on_from(self, other: Any) -> None:
         """Go on in the period where others were; a sensor that has another delay or was not there begins with it."""
         self.state[0] = other.state[0]
-        keep_memories(self, other, SENSORS_HEAD, SENSOR_WIDTH, (SENSOR_NAME, FIRST, COUNT, DELAY), MEMORY)
+        keep_memories(
+            self,
+            other,
+            measuring.SENSORS_HEAD,
+            measuring.SENSOR_WIDTH,
+            (measuring.SENSOR_NAME, measuring.FIRST, measuring.COUNT, measuring.DELAY),
+            measuring.MEMORY,
+        )
 
-    def step(self, frame: Numbers) -> None:
+    def step(self, frame: measuring.Numbers) -> None:
         """Put what the sensors show into a frame of true numbers; once per period, the first time at the start."""
-        measure(frame, self.state, self.constants)
+        measuring.measure(frame, self.state, self.constants)
 
 
 def keep_memories(row: Any, other: Any, head: int, width: int, key: Sequence[int], memory: int) -> None:
@@ -193,10 +187,6 @@ def imperfect(parameters: Any) -> Iterator[tuple[Quantity, Any]]:
     """The quantities whose sensors have errors, and these."""
     for quantity in QUANTITIES:
         errors = getattr(parameters, quantity.name, None)
-        if errors is not None and errors != _ideal(errors):
+        kind: Any = type(errors)
+        if errors is not None and errors != defaults(kind):
             yield quantity, errors
-
-
-def _ideal(errors: Any) -> Any:
-    kind: type = type(errors)
-    return defaults(kind)

@@ -1,13 +1,15 @@
 """The traction battery of a vehicle and its cells."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
+from functools import partial
 
-from ev_core.parameters.declaration import group, parameter, setting
+from ev_core.parameters.declaration import group, own, parameter, setting
 from ev_msgs_py.refusal import ParameterError
 
-_WINSTON = "assumption for a Winston WB-LYP60AHA, whose data are lost in the dissertation (figure 4.8)"
+_of_cell = partial(
+    parameter,
+    source="assumption for a Winston WB-LYP60AHA, whose data are lost in the dissertation (figure 4.8)",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,21 +31,13 @@ class Cells:
         about="of a cell, at equally spaced states of charge from empty to full",
         source="assumption: shape of LiFePO4, mean 3.2 V",
     )
-    resistance: float = parameter(
-        1e-3, unit="ohm", low=1e-7, high=1.0, about="in series with a cell, at once", source=_WINSTON
+    resistance: float = _of_cell(1e-3, unit="ohm", low=1e-7, high=1.0, about="in series with a cell, at once")
+    relaxation_resistance: float = _of_cell(
+        5e-4, unit="ohm", low=0.0, high=1.0, about="of a cell, added in the course of time"
     )
-    relaxation_resistance: float = parameter(
-        5e-4, unit="ohm", low=0.0, high=1.0, about="of a cell, added in the course of time", source=_WINSTON
-    )
-    relaxation_time: float = parameter(
-        30.0, unit="s", low=0.1, high=1e5, about="time constant of that", source=_WINSTON
-    )
-    discharge_current: float = parameter(
-        490.0, unit="A", low=0.0, high=1e5, about="largest, at a good temperature", source=_WINSTON
-    )
-    charge_current: float = parameter(
-        180.0, unit="A", low=0.0, high=1e5, about="largest, at a good temperature", source=_WINSTON
-    )
+    relaxation_time: float = _of_cell(30.0, unit="s", low=0.1, high=1e5, about="time constant of that")
+    discharge_current: float = _of_cell(490.0, unit="A", low=0.0, high=1e5, about="largest, at a good temperature")
+    charge_current: float = _of_cell(180.0, unit="A", low=0.0, high=1e5, about="largest, at a good temperature")
     ambient: float = parameter(
         25.0, unit="degC", low=-40.0, high=60.0, about="of the cells at the start, and around them"
     )
@@ -81,16 +75,15 @@ class Cells:
 class Battery:
     """The traction battery: open-circuit voltage over charge, one resistance, limits; or cells."""
 
-    open_circuit_voltage: tuple[float, ...] = setting(
+    open_circuit_voltage: tuple[float, ...] = own(
         (432.0, 468.0, 480.0, 492.0, 528.0),
         unit="V",
         low=10.0,
         high=2000.0,
         about="at equally spaced states of charge from empty to full",
-        own=True,
     )
-    resistance: float = setting(0.1, unit="ohm", low=1e-6, high=10.0, about="internal resistance", own=True)
-    capacity: float = setting(50.0, unit="A h", low=0.1, high=1e4, about="charge between empty and full", own=True)
+    resistance: float = own(0.1, unit="ohm", low=1e-6, high=10.0, about="internal resistance")
+    capacity: float = own(50.0, unit="A h", low=0.1, high=1e4, about="charge between empty and full")
     state_of_charge: float = setting(0.8, unit="1", low=0.0, high=1.0, about="at the start")
     discharge_power: float = setting(120e3, unit="W", low=0.0, high=1e7, about="largest power given")
     charge_power: float = setting(60e3, unit="W", low=0.0, high=1e7, about="largest power taken")

@@ -1,15 +1,14 @@
 """The vehicle description, and what springs, links and bushes of the axles do to loads and angles of the wheels."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import group, parameter, setting
+from ev_core.parameters.declaration import group, own, parameter, setting
 from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.driveline import Driveline, refuse_drive_train
 from ev_core.vehicle.motor import Engine, Motor
 from ev_core.vehicle.tyre import Tyre
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
 
 
@@ -87,17 +86,15 @@ class Vehicle:
     The defaults are the Audi A2 of Shchur (2019).
     """
 
-    name: str = setting("audi_a2", about="name of the vehicle file", own=True)
-    mass: float = setting(1400.0, unit="kg", low=50.0, high=60000.0, about="mass with load, m", own=True)
-    wheelbase: float = setting(2.405, unit="m", low=0.3, high=12.0, about="distance of the axles, L", own=True)
-    front_track: float = setting(1.462, unit="m", low=0.2, high=4.0, about="distance of the front wheels, d", own=True)
-    rear_track: float = setting(1.462, unit="m", low=0.2, high=4.0, about="distance of the rear wheels", own=True)
-    centre_of_mass_to_rear_axle: float = setting(
-        1.08225, unit="m", low=0.0, high=12.0, about="centre of mass in front of the rear axle, l_cm L", own=True
+    name: str = own("audi_a2", about="name of the vehicle file")
+    mass: float = own(1400.0, unit="kg", low=50.0, high=60000.0, about="mass with load, m")
+    wheelbase: float = own(2.405, unit="m", low=0.3, high=12.0, about="distance of the axles, L")
+    front_track: float = own(1.462, unit="m", low=0.2, high=4.0, about="distance of the front wheels, d")
+    rear_track: float = own(1.462, unit="m", low=0.2, high=4.0, about="distance of the rear wheels")
+    centre_of_mass_to_rear_axle: float = own(
+        1.08225, unit="m", low=0.0, high=12.0, about="centre of mass in front of the rear axle, l_cm L"
     )
-    wheel_radius: float = setting(
-        0.294, unit="m", low=0.05, high=1.5, about="rolling radius of the wheels, r_k", own=True
-    )
+    wheel_radius: float = own(0.294, unit="m", low=0.05, high=1.5, about="rolling radius of the wheels, r_k")
     wheel_radius_ratio: tuple[float, ...] = parameter(
         (1.0, 1.0, 1.0, 1.0),
         unit="1",
@@ -107,23 +104,18 @@ class Vehicle:
         source="dissertation, chapter 2: r_k,i of the i-th wheel",
         per_wheel=True,
     )
-    steering_ratio: float = setting(
-        16.0, unit="1", low=1.0, high=40.0, about="steering-wheel angle over road-wheel angle, i", own=True
+    steering_ratio: float = own(
+        16.0, unit="1", low=1.0, high=40.0, about="steering-wheel angle over road-wheel angle, i"
     )
-    gear_ratio: float = setting(2.65, unit="1", low=0.1, high=50.0, about="motor speed over wheel speed", own=True)
-    driven_wheels: tuple[str, ...] = setting(
-        ("front_left", "front_right"),
-        choices=("front_left", "front_right", "rear_left", "rear_right"),
-        about="wheels with a motor",
-        own=True,
+    gear_ratio: float = own(2.65, unit="1", low=0.1, high=50.0, about="motor speed over wheel speed")
+    driven_wheels: tuple[str, ...] = own(
+        ("front_left", "front_right"), choices=WHEEL_NAMES, about="wheels with a motor"
     )
-    rolling_resistance: float = setting(
-        0.015, unit="1", low=0.0, high=0.5, about="rolling resistance coefficient, k_r or f_0", own=True
+    rolling_resistance: float = own(
+        0.015, unit="1", low=0.0, high=0.5, about="rolling resistance coefficient, k_r or f_0"
     )
-    drag_coefficient: float = setting(
-        0.3, unit="1", low=0.0, high=3.0, about="aerodynamic drag coefficient, c_d", own=True
-    )
-    frontal_area: float = setting(2.1, unit="m^2", low=0.0, high=20.0, about="frontal area, A", own=True)
+    drag_coefficient: float = own(0.3, unit="1", low=0.0, high=3.0, about="aerodynamic drag coefficient, c_d")
+    frontal_area: float = own(2.1, unit="m^2", low=0.0, high=20.0, about="frontal area, A")
     side_drag_coefficient: float = parameter(
         0.0,
         unit="1",
@@ -147,10 +139,8 @@ class Vehicle:
         about="added: f = f_0 + k_f V^2 with V in m/s; relative: f = f_0 (1 + k_f V^2) with V in km/h",
         source="dissertation, eq 2.8, which leaves the unit of V open: added is its literal form",
     )
-    yaw_inertia: float = setting(
-        1900.0, unit="kg m^2", low=5.0, high=1e6, about="about the vertical axis, J_z", own=True
-    )
-    centre_of_mass_height: float = setting(0.55, unit="m", low=0.0, high=4.0, about="above the road, h", own=True)
+    yaw_inertia: float = own(1900.0, unit="kg m^2", low=5.0, high=1e6, about="about the vertical axis, J_z")
+    centre_of_mass_height: float = own(0.55, unit="m", low=0.0, high=4.0, about="above the road, h")
     centre_of_mass_offset: float = setting(
         0.0, unit="m", low=-2.0, high=2.0, about="centre of mass left of the car's middle", lateral=True
     )
@@ -167,7 +157,7 @@ class Vehicle:
         about="accelerations that move the wheel loads; a source may leave out the longitudinal one, or both",
         source="lateral: Ge & Ni 2005; none: Tatar & Chudzik",
     )
-    wheel_inertia: float = setting(1.0, unit="kg m^2", low=1e-3, high=1e4, about="of each wheel, J_w", own=True)
+    wheel_inertia: float = own(1.0, unit="kg m^2", low=1e-3, high=1e4, about="of each wheel, J_w")
     undriven_inertia_ratio: float = parameter(
         1.0,
         unit="1",

@@ -1,16 +1,16 @@
 """What a vehicle description leaves to files, read into it: efficiency maps (CSV) and tyre property files (.tir)."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections import Counter
 from collections.abc import Mapping
+from typing import Any
 
 from ev_core.parameters.data_file import TEXT, find_file, read_csv, read_data
 from ev_core.parameters.declaration import flatten
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.driveline import AXLES
 from ev_core.vehicle.motor import Motor
 from ev_core.vehicle.tyre import MF_NAMES, OPTIONAL
 from ev_msgs_py.refusal import ParameterError, quoted
@@ -75,12 +75,10 @@ def with_tyres_from_files(vehicle: Vehicle) -> Vehicle:
     be read, is meant for another formula or in other units, lacks a coefficient or holds no number.
     """
     tyre = vehicle.tyre
-    if tyre.front_file:
-        front = read_tyre("vehicle.tyre.front_file", tyre.front_file)
-        tyre = dataclasses.replace(tyre, front_file="", front_mf=front)
-    if tyre.rear_file:
-        rear = read_tyre("vehicle.tyre.rear_file", tyre.rear_file)
-        tyre = dataclasses.replace(tyre, rear_file="", rear_mf=rear)
+    for axle in AXLES:
+        if file := getattr(tyre, f"{axle}_file"):
+            read: dict[str, Any] = {f"{axle}_mf": read_tyre(f"vehicle.tyre.{axle}_file", file), f"{axle}_file": ""}
+            tyre = dataclasses.replace(tyre, **read)
     return dataclasses.replace(vehicle, tyre=tyre)
 
 

@@ -3,16 +3,17 @@
 The engine has a torque converter and a gearbox.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
-from ev_core.parameters.declaration import group, parameter, setting
+from ev_core.parameters.declaration import group, own, parameter, setting
 from ev_msgs_py.compilable import inlined
 from ev_msgs_py.refusal import ParameterError
 
-_YASA = "assumption for a YASA-400, whose curves (figure 1.22 of the dissertation) are lost"
+_of_winding = partial(
+    parameter, source="assumption for a YASA-400, whose curves (figure 1.22 of the dissertation) are lost"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,20 +23,17 @@ class Winding:
     Its resistance is not told twice: the motor's `copper_loss` and the torque constant 3/2 p psi give it.
     """
 
-    pole_pairs: int = parameter(10, unit="1", low=1, high=100, about="pole pairs, p", source=_YASA)
-    flux_linkage: float = parameter(
+    pole_pairs: int = _of_winding(10, unit="1", low=1, high=100, about="pole pairs, p")
+    flux_linkage: float = _of_winding(
         0.0377,
         unit="Wb",
         low=1e-4,
         high=10.0,
         about="peak flux linkage of the magnets with a phase, psi: 0.8 N m for each rms ampere",
-        source=_YASA,
     )
-    inductance: float = parameter(
-        1e-4, unit="H", low=1e-6, high=1.0, about="of a phase, alike in both axes, L", source=_YASA
-    )
-    largest_current: float = parameter(
-        453.0, unit="A", low=1.0, high=1e4, about="rms phase current, what 360 N m need", source=_YASA
+    inductance: float = _of_winding(1e-4, unit="H", low=1e-6, high=1.0, about="of a phase, alike in both axes, L")
+    largest_current: float = _of_winding(
+        453.0, unit="A", low=1.0, high=1e4, about="rms phase current, what 360 N m need"
     )
     voltage_share: float = parameter(
         0.95,
@@ -80,20 +78,18 @@ class Motor:
     The defaults are assumptions for a small city car's front drive with two motors.
     """
 
-    peak_torque: float = setting(250.0, unit="N m", low=0.0, high=1e5, about="at the shaft, for a short time", own=True)
-    nominal_torque: float = setting(150.0, unit="N m", low=1e-3, high=1e5, about="at the shaft, for ever", own=True)
-    peak_power: float = setting(40e3, unit="W", low=1.0, high=1e7, about="mechanical power for a short time", own=True)
+    peak_torque: float = own(250.0, unit="N m", low=0.0, high=1e5, about="at the shaft, for a short time")
+    nominal_torque: float = own(150.0, unit="N m", low=1e-3, high=1e5, about="at the shaft, for ever")
+    peak_power: float = own(40e3, unit="W", low=1.0, high=1e7, about="mechanical power for a short time")
     overload_time: float = setting(
         60.0, unit="s", low=0.1, high=1e5, about="thermal time constant that ends the short time"
     )
-    maximum_speed: float = setting(
-        1000.0, unit="rad/s", low=1.0, high=1e5, about="of the shaft; no drive torque beyond", own=True
+    maximum_speed: float = own(1000.0, unit="rad/s", low=1.0, high=1e5, about="of the shaft; no drive torque beyond")
+    generator_torque: float = own(
+        150.0, unit="N m", low=0.0, high=1e5, about="largest torque when the motor feeds the battery"
     )
-    generator_torque: float = setting(
-        150.0, unit="N m", low=0.0, high=1e5, about="largest torque when the motor feeds the battery", own=True
-    )
-    generator_power: float = setting(
-        25e3, unit="W", low=0.0, high=1e7, about="largest mechanical power that the motor takes", own=True
+    generator_power: float = own(
+        25e3, unit="W", low=0.0, high=1e7, about="largest mechanical power that the motor takes"
     )
     torque_lag: float = setting(0.005, unit="s", low=1e-4, high=10.0, about="time constant of the torque control")
     rotor_inertia: float = setting(0.0, unit="kg m^2", low=0.0, high=100.0, about="of one rotor, at the shaft")
@@ -157,25 +153,25 @@ def generating_torque(motor: Motor, most: float, share: float, turns: float) -> 
     return min(most, motor.generator_torque, share * motor.generator_power / max(turns, LEAST_SPEED))
 
 
-_CAR = "assumption for a medium car"
+_of_engine = partial(parameter, source="assumption for a medium car")
 
 
 @dataclass(frozen=True, slots=True)
 class Gearbox:
     """An automatic gearbox that shifts by the speed of its input; the final drive is the vehicle's `gear_ratio`."""
 
-    ratios: tuple[float, ...] = parameter(
-        (3.6, 2.2, 1.45, 1.0, 0.8), unit="1", low=0.1, high=20.0, about="of the forward gears, falling", source=_CAR
+    ratios: tuple[float, ...] = _of_engine(
+        (3.6, 2.2, 1.45, 1.0, 0.8), unit="1", low=0.1, high=20.0, about="of the forward gears, falling"
     )
-    reverse: float = parameter(3.2, unit="1", low=0.1, high=20.0, about="ratio of the reverse gear", source=_CAR)
-    efficiency: float = parameter(0.95, unit="1", low=0.5, high=1.0, about="in every gear, either way", source=_CAR)
-    upshift_speed: float = parameter(
-        350.0, unit="rad/s", low=1.0, high=5000.0, about="of the turbine, above which it shifts up", source=_CAR
+    reverse: float = _of_engine(3.2, unit="1", low=0.1, high=20.0, about="ratio of the reverse gear")
+    efficiency: float = _of_engine(0.95, unit="1", low=0.5, high=1.0, about="in every gear, either way")
+    upshift_speed: float = _of_engine(
+        350.0, unit="rad/s", low=1.0, high=5000.0, about="of the turbine, above which it shifts up"
     )
-    downshift_speed: float = parameter(
-        150.0, unit="rad/s", low=0.0, high=5000.0, about="of the turbine, below which it shifts down", source=_CAR
+    downshift_speed: float = _of_engine(
+        150.0, unit="rad/s", low=0.0, high=5000.0, about="of the turbine, below which it shifts down"
     )
-    dwell: float = parameter(0.5, unit="s", low=0.0, high=100.0, about="that a gear stays in", source=_CAR)
+    dwell: float = _of_engine(0.5, unit="s", low=0.0, high=100.0, about="that a gear stays in")
     selector_speed: float = parameter(
         2.0,
         unit="rad/s",
@@ -201,24 +197,14 @@ class Engine:
     """Spark ignition engine, torque converter and gearbox; without peak power there are motors instead."""
 
     peak_power: float = setting(0.0, unit="W", low=0.0, high=1e7, about="at full load; 0 for no engine")
-    peak_power_speed: float = parameter(580.0, unit="rad/s", low=1.0, high=5000.0, about="at which", source=_CAR)
-    maximum_speed: float = parameter(
-        650.0, unit="rad/s", low=1.0, high=5000.0, about="beyond which fuel is cut off", source=_CAR
-    )
-    idle_speed: float = parameter(85.0, unit="rad/s", low=1.0, high=1000.0, about="that the engine keeps", source=_CAR)
-    idle_gain: float = parameter(
-        3.0, unit="N m s/rad", low=0.0, high=1e3, about="torque of the idle control below it", source=_CAR
-    )
-    drag_torque: float = parameter(12.0, unit="N m", low=0.0, high=1e4, about="without fuel, at rest", source=_CAR)
-    drag_growth: float = parameter(
-        0.03, unit="N m s/rad", low=0.0, high=100.0, about="of that over the speed", source=_CAR
-    )
-    torque_lag: float = parameter(
-        0.1, unit="s", low=1e-3, high=10.0, about="time constant of intake and combustion", source=_CAR
-    )
-    inertia: float = parameter(
-        0.18, unit="kg m^2", low=1e-3, high=100.0, about="of crankshaft, flywheel and pump", source=_CAR
-    )
+    peak_power_speed: float = _of_engine(580.0, unit="rad/s", low=1.0, high=5000.0, about="at which")
+    maximum_speed: float = _of_engine(650.0, unit="rad/s", low=1.0, high=5000.0, about="beyond which fuel is cut off")
+    idle_speed: float = _of_engine(85.0, unit="rad/s", low=1.0, high=1000.0, about="that the engine keeps")
+    idle_gain: float = _of_engine(3.0, unit="N m s/rad", low=0.0, high=1e3, about="torque of the idle control below it")
+    drag_torque: float = _of_engine(12.0, unit="N m", low=0.0, high=1e4, about="without fuel, at rest")
+    drag_growth: float = _of_engine(0.03, unit="N m s/rad", low=0.0, high=100.0, about="of that over the speed")
+    torque_lag: float = _of_engine(0.1, unit="s", low=1e-3, high=10.0, about="time constant of intake and combustion")
+    inertia: float = _of_engine(0.18, unit="kg m^2", low=1e-3, high=100.0, about="of crankshaft, flywheel and pump")
     converter_size: float = parameter(
         1.0,
         unit="1",

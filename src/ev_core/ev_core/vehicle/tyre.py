@@ -1,11 +1,9 @@
 """The tyres of a vehicle, and the coefficients of one by the Magic Formula."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
-from ev_core.parameters.declaration import parameter, setting
+from ev_core.parameters.declaration import own, parameter, setting
 from ev_core.parameters.record import per_wheel
 from ev_msgs_py.refusal import ParameterError
 
@@ -112,12 +110,11 @@ class Tyre:
     lengths of 0.2 to 0.4 m). Steady driving does not depend on them.
     """
 
-    curve: str = setting(
+    curve: str = own(
         "burckhardt",
         choices=tuple(POSITIVE_COEFFICIENTS),
         about="friction curve over slip; mf_tyre: tyres front and rear by the Magic Formula with load dependence, from "
         "tyre property files",
-        own=True,
     )
     coefficients: tuple[float, ...] = setting(
         (0.0, 0.0, 0.0, 0.0),
@@ -205,12 +202,9 @@ class Tyre:
             for given, allowed in ((self.lateral_ratio, 1.0), (self.load_sensitivity, 0.0)):
                 if given != allowed:
                     raise ParameterError("curve mf_tyre needs lateral_ratio 1 and load_sensitivity 0: it has its own")
-            for axle, file, numbers in (
-                ("front", self.front_file, self.front_mf),
-                ("rear", self.rear_file, self.rear_mf),
-            ):
-                if not file:
-                    refuse_mf_tyre(axle, numbers)
+            for axle in ("front", "rear"):
+                if not getattr(self, f"{axle}_file"):
+                    refuse_mf_tyre(axle, getattr(self, f"{axle}_mf"))
         if self.lateral_curve != "same" and self.combined != "uncoupled":
             raise ParameterError(
                 f"lateral_curve {self.lateral_curve} needs combined uncoupled: a line has no share of a slip vector"

@@ -96,10 +96,6 @@ class Database:
     def __iter__(self) -> Iterator[FrameLayout]:
         return iter(self.frames.values())
 
-    def of_device(self, device: str) -> tuple[FrameLayout, ...]:
-        """The frames that a device sends or that are for it."""
-        return tuple(frame for frame in self if frame.sender == device or device in frame.receivers)
-
 
 @lru_cache(maxsize=4)
 def database_of(content: bytes) -> Database:

@@ -3,8 +3,6 @@
 Numbers of states are ours; numbers in brackets are those of the transitions in the standard's figure.
 """
 
-from __future__ import annotations
-
 from ev_msgs_py.compilable import compilable
 
 STATE_NAMES = (

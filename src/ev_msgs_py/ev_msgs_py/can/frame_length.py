@@ -4,8 +4,6 @@ They are counted a byte at a time, by tables, for what runs compiled in each cyc
 the last bit and how many equal ones there are, 1 to 4: a fifth one is followed by a stuff bit of the other value.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 

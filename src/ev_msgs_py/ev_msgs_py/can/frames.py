@@ -3,8 +3,6 @@
 A payload of 64 bits is a Python int or, compiled, an int64 with the same bits.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import Any, NamedTuple

@@ -9,8 +9,6 @@ bytes of the data id, low one first, and bytes 1 to the last: a frame that is ri
 is found too.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import floor
 
@@ -77,12 +75,6 @@ def extracted(payload: int, field: BitField) -> float:
 
 
 @compilable
-def quantised(field: BitField, value: float) -> float:
-    """The value that arrives when this one is sent."""
-    return field.offset + field.scale * raw_number(field, value)
-
-
-@compilable
 def byte_of(payload: int, place: int) -> int:
     """A byte of a payload, 0 to 255."""
     return (payload >> (8 * place)) & 0xFF
@@ -90,7 +82,6 @@ def byte_of(payload: int, place: int) -> int:
 
 POLYNOMIAL = 0x1D
 _LONGEST = 10  # bytes: data id and data of a classic frame
-_ALL_ONES = 0xFF
 
 
 def _divided(byte: int) -> int:
@@ -116,14 +107,6 @@ _REMAINDERS = _remainders()
 def crc8_share(byte: int, behind: int) -> int:
     """What a byte with so many bytes behind it adds to the CRC, by exclusive or, if the start value is 0."""
     return int(_REMAINDERS[(behind & 15) << 8 | byte])
-
-
-def crc8(data: bytes) -> int:
-    """The checksum of some bytes as the standard has it: start value and final XOR are FFh."""
-    crc = _ALL_ONES
-    for byte in data:
-        crc = crc8_share(crc ^ byte, 0)
-    return crc ^ _ALL_ONES
 
 
 LONGEST = 8  # bytes of a classic frame

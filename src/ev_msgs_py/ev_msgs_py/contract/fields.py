@@ -1,7 +1,5 @@
 """What is known of each field of a signal, and the one order of its numbers that frames, messages and hashes share."""
 
-from __future__ import annotations
-
 import math
 import struct
 import typing
@@ -15,7 +13,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """Unit, meaning, place in the message, precision there, and the sensor that measures it.
+    """Unit, meaning, place in the message, the sensor that measures it, and its precision in the message.
 
     `place` is a path in the message, such as twist.linear.x; in a JointState it is JOINT.ARRAY, such as drive.effort,
     where {wheel} stands for the name of each wheel. `sensor` names the sensor, which fields with one name share, and
@@ -26,21 +24,21 @@ class Field:
     unit: str
     about: str
     place: str
-    single_precision: bool = False
     sensor: str = ""
     largest: float = 0.0
+    single_precision: bool = False
     lateral: bool = False
     never_negative: bool = False
 
 
-def leftward(unit: str, about: str, place: str, **more: Any) -> Field:
+def leftward(unit: str, about: str, place: str, sensor: str = "", largest: float = 0.0) -> Field:
     """A Field of what changes its sign where left and right are exchanged."""
-    return Field(unit, about, place, lateral=True, **more)
+    return Field(unit, about, place, sensor, largest, lateral=True)
 
 
-def magnitude(unit: str, about: str, place: str, **more: Any) -> Field:
+def magnitude(unit: str, about: str, place: str, sensor: str = "", largest: float = 0.0, **how: Any) -> Field:
     """A Field of what has no direction."""
-    return Field(unit, about, place, never_negative=True, **more)
+    return Field(unit, about, place, sensor, largest, never_negative=True, **how)
 
 
 def field_of(hint: Any) -> Field:

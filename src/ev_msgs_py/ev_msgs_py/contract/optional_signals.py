@@ -4,8 +4,6 @@ Each payload of the bus is two words of 32 bits, which a float64 holds exactly; 
 each tick of 1 ms, of which the first ones are used; what comes less often has one place.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Any, NamedTuple
 
 from ev_msgs_py.contract.fields import Field, leftward, magnitude
@@ -82,31 +80,18 @@ class WheelSpeedCommand(NamedTuple):
 class RearSteeringState(NamedTuple):
     """The steered rear wheels, the motor that turns them, and what it takes."""
 
-    angle: Annotated[
-        float,
-        leftward("rad", "of both rear wheels", "rear_wheels.position", sensor="rear_wheel_angle", largest=1.0),
-    ]
-    rate: Annotated[
-        float,
-        leftward("rad/s", "of both rear wheels", "rear_wheels.velocity", sensor="rear_wheel_rate", largest=10.0),
-    ]
+    angle: Annotated[float, leftward("rad", "of both rear wheels", "rear_wheels.position", "rear_wheel_angle", 1.0)]
+    rate: Annotated[float, leftward("rad/s", "of both rear wheels", "rear_wheels.velocity", "rear_wheel_rate", 10.0)]
     motor_speed: Annotated[
         float,
-        leftward(
-            "rad/s", "of the shaft of the steering motor", "steering_motor.velocity",
-            sensor="steering_motor_speed", largest=1e3,
-        ),
-    ]  # fmt: skip
+        leftward("rad/s", "of the shaft of the steering motor", "steering_motor.velocity", "steering_motor_speed", 1e3),
+    ]
     motor_torque: Annotated[
         float,
-        leftward(
-            "N m", "at the shaft of the steering motor", "steering_motor.effort",
-            sensor="steering_motor_torque", largest=100.0,
-        ),
-    ]  # fmt: skip
+        leftward("N m", "at the shaft of the steering motor", "steering_motor.effort", "steering_motor_torque", 100.0),
+    ]
     power: Annotated[
-        float,
-        Field("W", "from the supply, mean over the last period", "supply.effort", sensor="supply_power", largest=1e5),
+        float, Field("W", "from the supply, mean over the last period", "supply.effort", "supply_power", 1e5)
     ]
 
 
@@ -116,49 +101,35 @@ class MotorElectrics(NamedTuple):
     Through and across, as in bond graphs: what drives is the effort, what flows the velocity.
     """
 
-    current: Annotated[
-        Wheels, Field("A", "of a phase, rms", "{wheel}_phase.velocity", sensor="motor_current", largest=1e3)
-    ]
-    voltage: Annotated[
-        Wheels, Field("V", "phase to neutral, rms", "{wheel}_phase.effort", sensor="motor_voltage", largest=1e3)
-    ]
-    power: Annotated[
-        Wheels, Field("W", "from the DC link", "{wheel}_dc_link.effort", sensor="motor_power", largest=1e6)
-    ]
+    current: Annotated[Wheels, Field("A", "of a phase, rms", "{wheel}_phase.velocity", "motor_current", 1e3)]
+    voltage: Annotated[Wheels, Field("V", "phase to neutral, rms", "{wheel}_phase.effort", "motor_voltage", 1e3)]
+    power: Annotated[Wheels, Field("W", "from the DC link", "{wheel}_dc_link.effort", "motor_power", 1e6)]
 
 
 class MotorTemperatures(NamedTuple):
     """Temperatures of motor, inverter and coolant of each wheel, as efforts; zero where there is no motor."""
 
-    winding: Annotated[
-        Wheels, Field("degC", "of the winding", "{wheel}_winding.effort", sensor="winding_temperature", largest=100.0)
-    ]
+    winding: Annotated[Wheels, Field("degC", "of the winding", "{wheel}_winding.effort", "winding_temperature", 100.0)]
     inverter: Annotated[
-        Wheels,
-        Field("degC", "of the power stage", "{wheel}_inverter.effort", sensor="inverter_temperature", largest=100.0),
+        Wheels, Field("degC", "of the power stage", "{wheel}_inverter.effort", "inverter_temperature", 100.0)
     ]
     coolant_inlet: Annotated[
-        Wheels, Field("degC", "into both", "{wheel}_coolant_inlet.effort", sensor="coolant_temperature", largest=100.0)
+        Wheels, Field("degC", "into both", "{wheel}_coolant_inlet.effort", "coolant_temperature", 100.0)
     ]
     coolant_outlet: Annotated[
-        Wheels,
-        Field("degC", "out of both", "{wheel}_coolant_outlet.effort", sensor="coolant_temperature", largest=100.0),
+        Wheels, Field("degC", "out of both", "{wheel}_coolant_outlet.effort", "coolant_temperature", 100.0)
     ]
     coolant_flow: Annotated[
-        Wheels,
-        Field("l/min", "through both", "{wheel}_coolant_inlet.velocity", sensor="coolant_flow", largest=100.0),
+        Wheels, Field("l/min", "through both", "{wheel}_coolant_inlet.velocity", "coolant_flow", 100.0)
     ]
 
 
 class CellCondition(NamedTuple):
     """One cell of the traction battery, in the single precision that BatteryState carries."""
 
-    voltage: Annotated[
-        float, magnitude("V", "at its terminals", "voltage", single_precision=True, sensor="cell_voltage", largest=1.0)
-    ]
+    voltage: Annotated[float, magnitude("V", "at its terminals", "voltage", "cell_voltage", 1.0, single_precision=True)]
     temperature: Annotated[
-        float,
-        Field("degC", "of the cells", "temperature", single_precision=True, sensor="cell_temperature", largest=100.0),
+        float, Field("degC", "of the cells", "temperature", "cell_temperature", 100.0, single_precision=True)
     ]
 
 
@@ -184,20 +155,19 @@ class BenchShafts(NamedTuple):
     torque: Annotated[
         Wheels,
         Field(
-            "N m", "that the transducer measures, mean over the last period", "{wheel}_transducer.effort",
-            sensor="bench_torque", largest=1e3,
+            "N m",
+            "that the transducer measures, mean over the last period",
+            "{wheel}_transducer.effort",
+            "bench_torque",
+            1e3,
         ),
-    ]  # fmt: skip
+    ]
     speed: Annotated[
-        Wheels,
-        Field(
-            "rad/s", "that the transducer measures", "{wheel}_transducer.velocity", sensor="bench_speed", largest=1e3
-        ),
+        Wheels, Field("rad/s", "that the transducer measures", "{wheel}_transducer.velocity", "bench_speed", 1e3)
     ]
     load_torque: Annotated[Wheels, Field("N m", "of the load machine, forwards positive, mean", "{wheel}_load.effort")]
     load_speed: Annotated[
-        Wheels,
-        Field("rad/s", "of the load machine", "{wheel}_load.velocity", sensor="bench_load_speed", largest=1e3),
+        Wheels, Field("rad/s", "of the load machine", "{wheel}_load.velocity", "bench_load_speed", 1e3)
     ]
 
 
@@ -205,20 +175,14 @@ class BenchElectrical(NamedTuple):
     """DC side of the inverters of a test bench, as means over the last period; currents from the supply."""
 
     voltage: Annotated[
-        Wheels,
-        magnitude("V", "of the machine under test", "{wheel}_voltage.effort", sensor="bench_voltage", largest=1e3),
+        Wheels, magnitude("V", "of the machine under test", "{wheel}_voltage.effort", "bench_voltage", 1e3)
     ]
     load_voltage: Annotated[
-        Wheels,
-        magnitude("V", "of the load machine", "{wheel}_load_voltage.effort", sensor="bench_voltage", largest=1e3),
+        Wheels, magnitude("V", "of the load machine", "{wheel}_load_voltage.effort", "bench_voltage", 1e3)
     ]
-    current: Annotated[
-        Wheels,
-        Field("A", "of the machine under test", "{wheel}_current.effort", sensor="bench_current", largest=1e3),
-    ]
+    current: Annotated[Wheels, Field("A", "of the machine under test", "{wheel}_current.effort", "bench_current", 1e3)]
     load_current: Annotated[
-        Wheels,
-        Field("A", "of the load machine", "{wheel}_load_current.effort", sensor="bench_current", largest=1e3),
+        Wheels, Field("A", "of the load machine", "{wheel}_load_current.effort", "bench_current", 1e3)
     ]
 
 

@@ -4,41 +4,11 @@ The offline runner orders the roles by this table, the nodes make their publishe
 the diagram in the README is drawn from it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import Enum
 
-from ev_msgs_py.contract.optional_signals import (
-    BenchElectrical,
-    BenchEnergy,
-    BenchShafts,
-    BenchTemperatures,
-    BusStates,
-    CellCondition,
-    FeedbackFrames,
-    LoadCommand,
-    MotorElectrics,
-    MotorTemperatures,
-    RearSteeringState,
-    SetPointFrames,
-    WheelSpeedCommand,
-)
-from ev_msgs_py.contract.signals import (
-    BatteryCondition,
-    BodyPose,
-    BodyVelocity,
-    DriverCommand,
-    InertialMeasurement,
-    Instant,
-    MotorStates,
-    RecorderProgress,
-    SteeringColumnState,
-    TireForces,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
+from ev_msgs_py.contract import optional_signals as optional
+from ev_msgs_py.contract import signals
 
 
 class RoleKind(Enum):
@@ -70,14 +40,17 @@ class Role:
         """All that a method of this role may write."""
         return (*self.writes, *self.offers)
 
-    def may_read(self, signal: type) -> bool:
-        """Whether a method of this role may read the signal; everybody knows the instant."""
-        return signal is Instant or signal in self.reads
-
 
 # In the order in which they are published: first what the driver waits for, with whom every step begins.
-_BODY = (WheelStates, BodyVelocity, BodyPose, InertialMeasurement, MotorStates, BatteryCondition)
-_ELECTRICAL = (MotorElectrics, MotorTemperatures, CellCondition)
+_BODY = (
+    signals.WheelStates,
+    signals.BodyVelocity,
+    signals.BodyPose,
+    signals.InertialMeasurement,
+    signals.MotorStates,
+    signals.BatteryCondition,
+)
+_ELECTRICAL = (optional.MotorElectrics, optional.MotorTemperatures, optional.CellCondition)
 
 ROLES = {
     role.name: role
@@ -86,66 +59,79 @@ ROLES = {
             "plant",
             RoleKind.INTEGRATES,
             reads=(
-                WheelTorqueCommand,
-                SteeringColumnState,
-                WheelSpeedCommand,
-                RearSteeringState,
-                BenchShafts,
-                BenchElectrical,
+                signals.WheelTorqueCommand,
+                signals.SteeringColumnState,
+                optional.WheelSpeedCommand,
+                optional.RearSteeringState,
+                optional.BenchShafts,
+                optional.BenchElectrical,
             ),
-            writes=(*_BODY, TireForces, *_ELECTRICAL, LoadCommand),
+            writes=(*_BODY, signals.TireForces, *_ELECTRICAL, optional.LoadCommand),
             default_method="kinematic",
         ),
         Role(
             "steering_column",
             RoleKind.INTEGRATES,
-            reads=(DriverCommand, WheelStates, TireForces, BodyVelocity),
-            writes=(SteeringColumnState,),
+            reads=(signals.DriverCommand, signals.WheelStates, signals.TireForces, signals.BodyVelocity),
+            writes=(signals.SteeringColumnState,),
             default_method="powered",
         ),
         Role(
             "rear_steering",
             RoleKind.INTEGRATES,
-            reads=(SteeringColumnState, BodyVelocity, TireForces),
-            writes=(RearSteeringState,),
+            reads=(signals.SteeringColumnState, signals.BodyVelocity, signals.TireForces),
+            writes=(optional.RearSteeringState,),
             default_method="speed_dependent",
             optional=True,
         ),
         Role(
             "test_bench",
             RoleKind.INTEGRATES,
-            reads=(WheelTorqueCommand, SetPointFrames, LoadCommand, BatteryCondition),
-            writes=(BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy, FeedbackFrames, BusStates),
+            reads=(signals.WheelTorqueCommand, optional.SetPointFrames, optional.LoadCommand, signals.BatteryCondition),
+            writes=(
+                optional.BenchShafts,
+                optional.BenchElectrical,
+                optional.BenchTemperatures,
+                optional.BenchEnergy,
+                optional.FeedbackFrames,
+                optional.BusStates,
+            ),
             default_method="circuits",
             optional=True,
         ),
         Role(
             "driver",
             RoleKind.ANSWERS,
-            reads=(BodyVelocity, SteeringColumnState, BodyPose, InertialMeasurement, WheelStates),
-            writes=(DriverCommand,),
+            reads=(
+                signals.BodyVelocity,
+                signals.SteeringColumnState,
+                signals.BodyPose,
+                signals.InertialMeasurement,
+                signals.WheelStates,
+            ),
+            writes=(signals.DriverCommand,),
             default_method="speed_profile",
         ),
         Role(
             "electronic_differential",
             RoleKind.ANSWERS,
-            reads=(DriverCommand, SteeringColumnState, *_BODY, TireForces),
-            writes=(WheelTorqueRequest,),
+            reads=(signals.DriverCommand, signals.SteeringColumnState, *_BODY, signals.TireForces),
+            writes=(signals.WheelTorqueRequest,),
             default_method="equal_torque",
         ),
         Role(
             "asr",
             RoleKind.ANSWERS,
-            reads=(WheelTorqueRequest, SteeringColumnState, *_BODY),
-            writes=(WheelTorqueCommand,),
+            reads=(signals.WheelTorqueRequest, signals.SteeringColumnState, *_BODY),
+            writes=(signals.WheelTorqueCommand,),
             default_method="off",
-            offers=(WheelSpeedCommand,),
+            offers=(optional.WheelSpeedCommand,),
         ),
         Role(
             "inverter_gateway",
             RoleKind.ANSWERS,
-            reads=(WheelTorqueCommand, LoadCommand, FeedbackFrames, BenchShafts),
-            writes=(SetPointFrames,),
+            reads=(signals.WheelTorqueCommand, optional.LoadCommand, optional.FeedbackFrames, optional.BenchShafts),
+            writes=(optional.SetPointFrames,),
             default_method="can",
             optional=True,
         ),
@@ -171,4 +157,4 @@ EXTRA = frozenset(filter(_is_extra, _ALL))
 # short as if there were none of it.
 RECORDED = tuple(sorted(_ALL, key=lambda signal: signal in EXTRA))
 RECORDER = "recorder"  # a node that plays no role
-RECORDER_WRITES = RecorderProgress
+RECORDER_WRITES = signals.RecorderProgress

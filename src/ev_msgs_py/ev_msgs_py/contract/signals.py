@@ -31,25 +31,18 @@ class DriverCommand(NamedTuple):
 class SteeringColumnState(NamedTuple):
     """The steering column as the laws may measure it; with a mechanical column angle = i * road_wheel_angle."""
 
-    angle: Annotated[
-        float,
-        leftward("rad", "of the steering wheel", "steering_wheel.position", sensor="steering_angle", largest=10.0),
-    ]
+    angle: Annotated[float, leftward("rad", "of the steering wheel", "steering_wheel.position", "steering_angle", 10.0)]
     rate: Annotated[
-        float,
-        leftward("rad/s", "of the steering wheel", "steering_wheel.velocity", sensor="steering_rate", largest=100.0),
+        float, leftward("rad/s", "of the steering wheel", "steering_wheel.velocity", "steering_rate", 100.0)
     ]
     hand_torque: Annotated[
-        float,
-        leftward("N m", "of the driver, left positive", "steering_wheel.effort", sensor="hand_torque", largest=100.0),
+        float, leftward("N m", "of the driver, left positive", "steering_wheel.effort", "hand_torque", 100.0)
     ]
     road_wheel_angle: Annotated[
-        float,
-        leftward("rad", "mean of the front wheels", "road_wheels.position", sensor="road_wheel_angle", largest=1.0),
+        float, leftward("rad", "mean of the front wheels", "road_wheels.position", "road_wheel_angle", 1.0)
     ]
     road_wheel_rate: Annotated[
-        float,
-        leftward("rad/s", "mean of the front wheels", "road_wheels.velocity", sensor="road_wheel_rate", largest=10.0),
+        float, leftward("rad/s", "mean of the front wheels", "road_wheels.velocity", "road_wheel_rate", 10.0)
     ]
 
 
@@ -74,61 +67,50 @@ class WheelTorqueCommand(NamedTuple):
 class WheelStates(NamedTuple):
     """Turned angle and speed of each wheel, and the drive torque that acts on it."""
 
-    position: Annotated[
-        Wheels, Field("rad", "angle turned since the start", "{wheel}.position", sensor="wheel_angle", largest=10.0)
-    ]
-    velocity: Annotated[
-        Wheels, Field("rad/s", "speed, forwards positive", "{wheel}.velocity", sensor="wheel_speed", largest=100.0)
-    ]
+    position: Annotated[Wheels, Field("rad", "angle turned since the start", "{wheel}.position", "wheel_angle", 10.0)]
+    velocity: Annotated[Wheels, Field("rad/s", "speed, forwards positive", "{wheel}.velocity", "wheel_speed", 100.0)]
     effort: Annotated[
-        Wheels,
-        Field("N m", "drive torque, mean over the last period", "{wheel}.effort", sensor="wheel_torque", largest=1e4),
+        Wheels, Field("N m", "drive torque, mean over the last period", "{wheel}.effort", "wheel_torque", 1e4)
     ]
 
 
 class MotorStates(NamedTuple):
     """Speed and electromagnetic torque at the shaft of the motor of each wheel; zero where there is none."""
 
-    velocity: Annotated[
-        Wheels, Field("rad/s", "speed of the shaft", "{wheel}.velocity", sensor="motor_speed", largest=1000.0)
-    ]
-    effort: Annotated[Wheels, Field("N m", "torque at the shaft", "{wheel}.effort", sensor="motor_torque", largest=1e4)]
+    velocity: Annotated[Wheels, Field("rad/s", "speed of the shaft", "{wheel}.velocity", "motor_speed", 1000.0)]
+    effort: Annotated[Wheels, Field("N m", "torque at the shaft", "{wheel}.effort", "motor_torque", 1e4)]
 
 
 class InertialMeasurement(NamedTuple):
     """Yaw rate and accelerations of the centre of mass in the body frame, without gravity."""
 
-    yaw_rate: Annotated[
-        float, leftward("rad/s", "left positive", "angular_velocity.z", sensor="imu_yaw_rate", largest=10.0)
-    ]
+    yaw_rate: Annotated[float, leftward("rad/s", "left positive", "angular_velocity.z", "imu_yaw_rate", 10.0)]
     longitudinal_acceleration: Annotated[
-        float, Field("m/s^2", "forwards", "linear_acceleration.x", sensor="imu_acceleration", largest=100.0)
+        float, Field("m/s^2", "forwards", "linear_acceleration.x", "imu_acceleration", 100.0)
     ]
     lateral_acceleration: Annotated[
-        float, leftward("m/s^2", "to the left", "linear_acceleration.y", sensor="imu_acceleration", largest=100.0)
+        float, leftward("m/s^2", "to the left", "linear_acceleration.y", "imu_acceleration", 100.0)
     ]
 
 
 class BodyVelocity(NamedTuple):
     """Velocity of the centre of mass in the body frame."""
 
-    longitudinal: Annotated[float, Field("m/s", "forwards", "twist.linear.x", sensor="body_velocity", largest=100.0)]
-    lateral: Annotated[float, leftward("m/s", "to the left", "twist.linear.y", sensor="body_velocity", largest=100.0)]
-    yaw_rate: Annotated[
-        float, leftward("rad/s", "left positive", "twist.angular.z", sensor="body_yaw_rate", largest=10.0)
-    ]
+    longitudinal: Annotated[float, Field("m/s", "forwards", "twist.linear.x", "body_velocity", 100.0)]
+    lateral: Annotated[float, leftward("m/s", "to the left", "twist.linear.y", "body_velocity", 100.0)]
+    yaw_rate: Annotated[float, leftward("rad/s", "left positive", "twist.angular.z", "body_yaw_rate", 10.0)]
 
 
 class BodyPose(NamedTuple):
     """Position of the centre of mass and heading in the odom frame; the heading as z and w of the quaternion."""
 
-    x: Annotated[float, Field("m", "of the centre of mass", "pose.position.x", sensor="body_position", largest=1e3)]
-    y: Annotated[float, leftward("m", "of the centre of mass", "pose.position.y", sensor="body_position", largest=1e3)]
+    x: Annotated[float, Field("m", "of the centre of mass", "pose.position.x", "body_position", 1e3)]
+    y: Annotated[float, leftward("m", "of the centre of mass", "pose.position.y", "body_position", 1e3)]
     orientation_z: Annotated[
-        float, leftward("1", "sine of half the heading", "pose.orientation.z", sensor="body_heading", largest=10.0)
+        float, leftward("1", "sine of half the heading", "pose.orientation.z", "body_heading", 10.0)
     ]
     orientation_w: Annotated[
-        float, Field("1", "cosine of half the heading", "pose.orientation.w", sensor="body_heading", largest=10.0)
+        float, Field("1", "cosine of half the heading", "pose.orientation.w", "body_heading", 10.0)
     ]
 
     @classmethod
@@ -147,43 +129,31 @@ class BatteryCondition(NamedTuple):
     """Terminal values of the traction battery, in the single precision that BatteryState carries."""
 
     voltage: Annotated[
-        float,
-        magnitude("V", "at the terminals", "voltage", single_precision=True, sensor="battery_voltage", largest=1e3),
+        float, magnitude("V", "at the terminals", "voltage", "battery_voltage", 1e3, single_precision=True)
     ]
-    current: Annotated[
-        float, Field("A", "into the battery", "current", single_precision=True, sensor="battery_current", largest=1e3)
-    ]
-    charge: Annotated[
-        float, Field("A h", "left", "charge", single_precision=True, sensor="battery_state_of_charge", largest=1.0)
-    ]
+    current: Annotated[float, Field("A", "into the battery", "current", "battery_current", 1e3, single_precision=True)]
+    charge: Annotated[float, Field("A h", "left", "charge", "battery_state_of_charge", 1.0, single_precision=True)]
     capacity: Annotated[float, Field("A h", "between empty and full", "capacity", single_precision=True)]
     state_of_charge: Annotated[
         float,
-        magnitude(
-            "1", "charge over capacity", "percentage",
-            single_precision=True, sensor="battery_state_of_charge", largest=1.0,
-        ),
-    ]  # fmt: skip
+        magnitude("1", "charge over capacity", "percentage", "battery_state_of_charge", 1.0, single_precision=True),
+    ]
 
 
 class TireForces(NamedTuple):
     """Forces of the road on each tyre in the wheel's frame, with slip, load and available friction."""
 
     longitudinal_force: Annotated[
-        Wheels, Field("N", "along the wheel", "{wheel}_longitudinal.effort", sensor="tire_force", largest=1e5)
+        Wheels, Field("N", "along the wheel", "{wheel}_longitudinal.effort", "tire_force", 1e5)
     ]
-    lateral_force: Annotated[
-        Wheels, leftward("N", "across the wheel", "{wheel}_lateral.effort", sensor="tire_force", largest=1e5)
-    ]
-    load: Annotated[Wheels, magnitude("N", "on the road", "{wheel}_vertical.effort", sensor="tire_load", largest=1e5)]
+    lateral_force: Annotated[Wheels, leftward("N", "across the wheel", "{wheel}_lateral.effort", "tire_force", 1e5)]
+    load: Annotated[Wheels, magnitude("N", "on the road", "{wheel}_vertical.effort", "tire_load", 1e5)]
     slip_ratio: Annotated[
-        Wheels, Field("1", "sign of its force", "{wheel}_longitudinal.position", sensor="tire_slip_ratio", largest=1.0)
+        Wheels, Field("1", "sign of its force", "{wheel}_longitudinal.position", "tire_slip_ratio", 1.0)
     ]
-    slip_angle: Annotated[
-        Wheels, leftward("rad", "left positive", "{wheel}_lateral.position", sensor="tire_slip_angle", largest=1.0)
-    ]
+    slip_angle: Annotated[Wheels, leftward("rad", "left positive", "{wheel}_lateral.position", "tire_slip_angle", 1.0)]
     friction_coefficient: Annotated[
-        Wheels, magnitude("1", "available", "{wheel}_vertical.position", sensor="tire_friction", largest=1.0)
+        Wheels, magnitude("1", "available", "{wheel}_vertical.position", "tire_friction", 1.0)
     ]
 
 

@@ -1,7 +1,5 @@
 """Stamps as whole nanoseconds: the only representation of time in which steps can be compared exactly."""
 
-from __future__ import annotations
-
 from typing import Any
 
 NANOSECONDS = 1_000_000_000

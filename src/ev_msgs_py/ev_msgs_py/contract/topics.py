@@ -3,8 +3,6 @@
 Names are relative, so that scenario scripts can put several cars side by side, each in its own namespace.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ev_msgs_py.contract import optional_signals as optional

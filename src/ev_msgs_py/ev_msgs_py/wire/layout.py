@@ -1,7 +1,5 @@
 """Where the fields of a signal stand in its message, as declared, and messages in the classes of ROS."""
 
-from __future__ import annotations
-
 from array import array
 from functools import cache
 from importlib import import_module

@@ -10,8 +10,6 @@ bytes do the same. What another sender wrote in another layout (joints in anothe
 read, by way of the message object.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import struct
@@ -25,20 +23,8 @@ from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire.layout import MessageError, empty_message, message_class, numbers_in, paths
 
 ENCAPSULATION = b"\x00\x01\x00\x00"  # plain CDR, little-endian
-_CODES = {
-    "boolean": "?",
-    "octet": "B",
-    "uint8": "B",
-    "int8": "b",
-    "uint16": "H",
-    "int16": "h",
-    "uint32": "I",
-    "int32": "i",
-    "uint64": "Q",
-    "int64": "q",
-    "float": "f",
-    "double": "d",
-}
+_KINDS = "boolean octet uint8 int8 uint16 int16 uint32 int32 uint64 int64 float double"
+_CODES = dict(zip(_KINDS.split(), "?BBbHhIiQqfd", strict=True))  # of struct
 _COLLECTION = re.compile(r"sequence<(?P<element>.+)>|(?P<member>.+)\[(?P<size>\d+)\]")
 
 

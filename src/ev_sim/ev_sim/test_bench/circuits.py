@@ -7,7 +7,7 @@ from dataclasses import fields
 
 from ev_core.law import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures, Car, LoadCommand, Vehicle, Wheels
 from ev_core.methods.register import method
-from ev_core.vehicle.layout import any_driven
+from ev_core.vehicle.car import any_driven
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.refusal import ParameterError
