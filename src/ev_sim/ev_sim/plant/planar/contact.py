@@ -2,56 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import NamedTuple
-
-from ev_core.law import GRAVITY, Car, Vehicle, asin, compilable, inlined, sqrt
+from ev_core.law import GRAVITY, Car, asin, compilable, inlined, sqrt
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.given import BodyConstants
 from ev_sim.plant.planar.planar_state import Contacts, Row, Step
+from ev_sim.plant.planar.prepare import RoadTables, Slope, Track
 from ev_sim.profiles.profile import number_until
-from ev_sim.surfaces import RoadParameters, Segments, TyreOnRoad, interpolate, left_and_right, segment_at, tyre_on_road
+from ev_sim.surfaces import TyreOnRoad, interpolate, segment_at
 from ev_sim.tyres.contact_patch import SLIP_VECTOR, STILL, WEIGHTED, sensitivity, slip_vector, uncoupled, weighted
 from ev_sim.tyres.curve import largest
 from ev_sim.tyres.mf_tyre import at_load
 
 _WIDTH = len(TyreOnRoad._fields)
-
-
-class Track(NamedTuple):
-    """Where segments begin [m], and the numbers of `TyreOnRoad` on each of them, one after the other."""
-
-    start: tuple[float, ...]
-    tyres: tuple[float, ...]
-
-
-class Slope(NamedTuple):
-    """Distances [m], grade and side slope [1] there."""
-
-    distance: tuple[float, ...]
-    grade: tuple[float, ...]
-    side_slope: tuple[float, ...]
-
-
-class RoadTables(NamedTuple):
-    """A road for the tyres of one vehicle."""
-
-    left: Track
-    right: Track
-    slope: Slope
-
-
-def road_tables(road: RoadParameters, vehicle: Vehicle) -> RoadTables:
-    """The road for this vehicle's tyres."""
-    left, right = left_and_right(road)
-    scale = road.rolling_resistance_scale
-    slope = Slope(road.slope_distance, road.grade, road.side_slope)
-    of = {name: tyre_on_road(vehicle.tyre, road.surface(name), scale) for name in {*left.surface, *right.surface}}
-    return RoadTables(_track(left, of), _track(right, of), slope)
-
-
-def _track(segments: Segments, of: Mapping[str, TyreOnRoad]) -> Track:
-    return Track(segments.start, tuple(number for name in segments.surface for number in of[name]))
 
 
 @inlined

@@ -2,33 +2,21 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from ev_core.law import Car, inlined
 from ev_sim.drives.combustion_engine import advance_engine
 from ev_sim.drives.couplings import CLUTCH, follow_shares, motor_commands, shaft_speeds, shaft_yielding, wheel_torques
 from ev_sim.drives.drive import advance_drive
 from ev_sim.drives.synchronous_motor import limited_torque
 from ev_sim.plant.planar.car_faults import strike_motors
-from ev_sim.plant.planar.energy import PowerConstants, battery_scale, terminal_voltage, within_electrical_limits
+from ev_sim.plant.planar.energy import battery_scale, terminal_voltage, within_electrical_limits
 from ev_sim.plant.planar.given import TORQUE_CONTROLLED, PlanarParameters
 from ev_sim.plant.planar.planar_state import WHEEL_SPEED, PlanarState, Step
-
-
-class Lags(NamedTuple):
-    """What a lag with time constant tau closes over a step [1]: 1 - exp(-h/tau)."""
-
-    torque: float
-    torque_mean: float  # the mean of the torque's over the step
-    clutch: float
-    heat: float
+from ev_sim.plant.planar.prepare import PlanarConstants
 
 
 @inlined
-def apply_drives(
-    s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants, lags: Lags, step: Step, h: float
-) -> None:
-    """Set the drive and brake torques of the wheels for this step of h [s], in [N m].
+def apply_drives(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, step: Step) -> None:
+    """Set the drive and brake torques of the wheels for this step, in [N m].
 
     The torque held over the step is the mean of the lagged one, so its impulse is exact. Brushless DC drives take the
     terminal voltage of the step before.
@@ -44,11 +32,11 @@ def apply_drives(
     shaft_speeds(car, wheel_speed, shaft)
     motor_commands(car, asked, target)
     if car.driveline.coupling == CLUTCH:
-        follow_shares(car, asked, s.torque_share, lags.clutch)
+        follow_shares(car, asked, s.torque_share, c.lags.clutch)
     if car.engine_driven == 1.0:
-        _drive_by_engine(s, car, power, step, h)
+        _drive_by_engine(car, c, s, step)
     else:
-        _drive_by_motors(s, p, car, power, lags, step, h)
+        _drive_by_motors(p, car, c, s, step)
     wheel_torques(car, target, wheel_speed, s.torque_share, step.drive)
     for i in range(4):
         step.brake[i] = step.brake_command[i]
@@ -60,7 +48,7 @@ def apply_drives(
 
 
 @inlined
-def _drive_by_engine(s: PlanarState, car: Car, power: PowerConstants, step: Step, h: float) -> None:
+def _drive_by_engine(car: Car, c: PlanarConstants, s: PlanarState, step: Step) -> None:
     """Set `step.motor`, equal parts of what the gearbox gives, and `step.target`, those behind the final drive."""
     shaft, target, motor, driven, gear = step.shaft, step.target, step.motor, car.driven, car.gear
     wanted = turning = yielding = 0.0
@@ -70,18 +58,16 @@ def _drive_by_engine(s: PlanarState, car: Car, power: PowerConstants, step: Step
         if driven[left] == 1.0 or driven[right] == 1.0:
             turning = shaft[left] * gear[left]
             yielding = gear[left] * gear[left] / car.motor.gear_efficiency * shaft_yielding(car, s.torque_share)
-    output = advance_engine(s.engine, car.engine, power.gearbox, wanted, turning, yielding, h)
+    output = advance_engine(s.engine, car.engine, c.power.gearbox, wanted, turning, yielding, c.h)
     for i in range(4):
         motor[i] = s.motor_torque[i] = output / car.number_driven * driven[i]
         target[i] = behind_gear(car, motor[i] * gear[i], shaft[i])
 
 
 @inlined
-def _drive_by_motors(
-    s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants, lags: Lags, step: Step, h: float
-) -> None:
+def _drive_by_motors(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, step: Step) -> None:
     """Set `step.motor`, the mean torque of each motor over the step, and `step.target`, what comes out behind gears."""
-    shaft, target, motor, gear = step.shaft, step.target, step.motor, car.gear
+    shaft, target, motor, gear, power = step.shaft, step.target, step.motor, car.gear, c.power
     modelled = power.electrical.modelled == 1.0
     if modelled:
         step.voltage = terminal_voltage(s, power)
@@ -94,21 +80,21 @@ def _drive_by_motors(
                 target[i] = within_electrical_limits(s, car, i, target[i], step.voltage, shaft[i] * gear[i])
     if s.faults.is_struck == 1.0:
         strike_motors(s, p, car, step)
-    scale = battery_scale(s, p, car, power, step)
+    scale = battery_scale(p, car, c, s, step)
     for i in range(4):
         if car.driven[i] == 0.0:
             motor[i] = target[i] = 0.0
             continue
         if p.drive == TORQUE_CONTROLLED:
             gap = scale * target[i] - s.motor_torque[i]
-            motor[i] = s.motor_torque[i] + lags.torque_mean * gap
-            s.motor_torque[i] += lags.torque * gap
+            motor[i] = s.motor_torque[i] + c.lags.torque_mean * gap
+            s.motor_torque[i] += c.lags.torque * gap
             use = motor[i] / car.motor.nominal_torque
-            s.motor_heat[i] += lags.heat * (use * use - s.motor_heat[i])
+            s.motor_heat[i] += c.lags.heat * (use * use - s.motor_heat[i])
         else:
             drive = s.drives[i]
             voltage = terminal_voltage(s, power)
-            advance_drive(drive, p, scale * target[i], shaft[i] * gear[i], voltage, h)
+            advance_drive(drive, p, scale * target[i], shaft[i] * gear[i], voltage, c.h)
             motor[i] = drive.mean_torque
             s.motor_torque[i] = drive.torque
         target[i] = behind_gear(car, motor[i] * car.motors[i] * gear[i], shaft[i])

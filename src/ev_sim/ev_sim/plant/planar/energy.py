@@ -2,44 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-from ev_core.law import Car, Vehicle, exp, expm1, inlined
+from ev_core.law import Car, inlined
 from ev_sim.drives import electrical_side
 from ev_sim.drives.couplings import shaft_speeds
 from ev_sim.drives.synchronous_motor import voltage_limited_torque, weakening_loss
 from ev_sim.plant.planar.given import TORQUE_CONTROLLED, PlanarParameters
 from ev_sim.plant.planar.planar_state import PlanarState, Step
-
-
-class Electrical(NamedTuple):
-    """Zeros where it is not modelled."""
-
-    modelled: float = 0.0  # 1 where it is
-    # Temperatures [degC] between which cells may be discharged and charged, see `cells.temperature_share`.
-    discharge_temperature: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
-    charge_temperature: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
-    relaxation_resistance: float = 0.0  # of the battery [ohm]
-    relaxation_share: float = 0.0  # what relaxation closes over a step [1]
-    # What a step leaves of a difference of temperature [1].
-    cells_left: float = 0.0
-    winding_left: float = 0.0
-    inverter_left: float = 0.0
-
-
-def electrical_over(h: float, vehicle: Vehicle) -> Electrical:
-    """The constants for steps of h [s]."""
-    cells, thermal = vehicle.battery.cells, vehicle.motor.thermal
-    return Electrical(
-        modelled=1.0,
-        discharge_temperature=cells.discharge_temperature,
-        charge_temperature=cells.charge_temperature,
-        relaxation_resistance=cells.in_series * cells.relaxation_resistance,
-        relaxation_share=-expm1(-h / cells.relaxation_time),
-        cells_left=exp(-h / (cells.heat_capacity * cells.thermal_resistance)),
-        winding_left=exp(-h / (thermal.winding_capacity * thermal.winding_resistance)),
-        inverter_left=exp(-h / (thermal.inverter_capacity * thermal.inverter_resistance)),
-    )
+from ev_sim.plant.planar.prepare import PlanarConstants, PowerConstants
 
 
 @inlined
@@ -50,66 +19,6 @@ def within_electrical_limits(s: PlanarState, car: Car, i: int, torque: float, vo
     most = voltage_limited_torque(car.motor.winding, voltage, speed)
     most = min(most, car.motor.peak_torque * electrical_side.derating_share(thermal, winding, inverter))
     return min(max(torque, -most), most)
-
-
-@inlined
-def heat_motors(s: PlanarState, car: Car, c: Electrical, step: Step) -> None:
-    """Heat windings by the copper loss of this step, power stages by what grows with the torque."""
-    motor = car.motor
-    for i in range(4):
-        torque, speed = step.motor[i], step.shaft[i] * car.gear[i]
-        copper = motor.copper_loss * torque * torque * car.driven[i]
-        if car.driven[i] == 1.0:
-            copper += weakening_loss(motor, torque, step.voltage, speed)
-        stage = motor.inverter_torque_loss * abs(torque)
-        s.winding_rise[i] = electrical_side.heated(
-            s.winding_rise[i], copper, motor.thermal.winding_resistance, c.winding_left
-        )
-        s.inverter_rise[i] = electrical_side.heated(
-            s.inverter_rise[i], stage, motor.thermal.inverter_resistance, c.inverter_left
-        )
-
-
-@inlined
-def heat_cells(s: PlanarState, car: Car, c: Electrical, resistance: float, current: float) -> None:
-    """Heat the cells by a current [A] through the resistance [ohm] of the string, and by their relaxation."""
-    cells = car.battery.cells
-    heat = resistance * current * current
-    if c.relaxation_resistance > 0.0:
-        heat += s.relaxation * s.relaxation / c.relaxation_resistance
-    s.cells_rise = electrical_side.heated(s.cells_rise, heat / cells.in_series, cells.thermal_resistance, c.cells_left)
-
-
-class EfficiencyMap(NamedTuple):
-    """Shaft speeds [rad/s], shaft torques [N m], and for each speed a row of efficiencies [1]; empty without a map."""
-
-    speed: tuple[float, ...]
-    torque: tuple[float, ...]
-    efficiency: tuple[float, ...]
-
-
-class PowerConstants(NamedTuple):
-    """Of battery and motors."""
-
-    capacity: float  # charge between empty and full [A s]
-    voltage: tuple[float, ...]  # open circuit, at equally spaced states of charge from empty to full [V]
-    resistance: float  # of the battery, at once [ohm]
-    map: EfficiencyMap
-    electrical: Electrical
-    gearbox: tuple[float, ...]  # ratios of an engine's gears
-
-
-@inlined
-def motor_loss(p: PlanarParameters, car: Car, map: EfficiencyMap, torque: float, speed: float) -> float:
-    """Loss of one torque-controlled motor with inverter [W] at its shaft torque [N m] and speed [rad/s].
-
-    Brushless drives bring their own losses.
-    """
-    if p.drive != TORQUE_CONTROLLED:
-        return 0.0
-    if len(map.efficiency) > 0:
-        return electrical_side.map_loss_power(torque, speed, map.speed, map.torque, map.efficiency)
-    return electrical_side.loss_power(car.motor, torque, speed)
 
 
 @inlined
@@ -126,26 +35,12 @@ def terminal_voltage(s: PlanarState, power: PowerConstants) -> float:
 
 
 @inlined
-def _limits(s: PlanarState, car: Car, power: PowerConstants) -> tuple[float, float]:
-    """Largest power out of and into the battery [W]."""
-    source = source_voltage(s, power)
-    if power.electrical.modelled == 0.0:
-        return electrical_side.power_limits(car.battery, source, s.state_of_charge)
-    temperature = car.battery.cells.ambient + s.cells_rise
-    discharging = electrical_side.temperature_share(power.electrical.discharge_temperature, temperature)
-    charging = electrical_side.temperature_share(power.electrical.charge_temperature, temperature)
-    return electrical_side.cell_power_limits(
-        car.battery, source, power.resistance, s.state_of_charge, discharging, charging
-    )
-
-
-@inlined
-def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants, step: Step) -> float:
+def battery_scale(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, step: Step) -> float:
     """Factor on all motor torques [1] that keeps the battery within its limits.
 
     Losses are convex in the torque and at least the idle ones, so the factor errs on the safe side.
     """
-    shaft, target = step.shaft, step.target
+    shaft, target, power, electrical = step.shaft, step.target, c.power, c.power.electrical
     mechanical = wanted = 0.0
     for axle in range(2):
         left, right = 2 * axle, 2 * axle + 1
@@ -155,7 +50,16 @@ def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerCon
         powers = (target[left] * shaft[left] + target[right] * shaft[right]) * car.gear[left]
         mechanical += powers * car.motors[left]
     wanted += mechanical + car.battery.auxiliary_power
-    give, take = _limits(s, car, power)
+    source = source_voltage(s, power)
+    if electrical.modelled == 0.0:
+        give, take = electrical_side.power_limits(car.battery, source, s.state_of_charge)
+    else:
+        temperature = car.battery.cells.ambient + s.cells_rise
+        discharging = electrical_side.temperature_share(electrical.discharge_temperature, temperature)
+        charging = electrical_side.temperature_share(electrical.charge_temperature, temperature)
+        give, take = electrical_side.cell_power_limits(
+            car.battery, source, power.resistance, s.state_of_charge, discharging, charging
+        )
     give, take = s.faults.power * give, s.faults.power * take
     too_much_given, too_much_taken = wanted > give, wanted < -take and mechanical < 0.0
     if not too_much_given and not too_much_taken:
@@ -183,17 +87,41 @@ def drive_loss(
     """
     if car.driven[i] == 0.0:
         return 0.0
-    speed = shaft * car.gear[i]
-    loss = motor_loss(p, car, power.map, torque, speed)
-    if power.electrical.modelled == 0.0 or len(power.map.efficiency) > 0:
+    speed, table = shaft * car.gear[i], power.map
+    if p.drive != TORQUE_CONTROLLED:  # brushless drives bring their own losses
+        loss = 0.0
+    elif len(table.efficiency) > 0:
+        loss = electrical_side.map_loss_power(torque, speed, table.speed, table.torque, table.efficiency)
+    else:
+        loss = electrical_side.loss_power(car.motor, torque, speed)
+    if power.electrical.modelled == 0.0 or len(table.efficiency) > 0:
         return loss * car.motors[i]
     return (loss + weakening_loss(car.motor, torque, step.voltage, speed)) * car.motors[i]
 
 
 @inlined
-def account(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants, step: Step, h: float) -> None:
-    """Book the energies of this step of h [s], in which the wheels have `turned`, and discharge the battery."""
-    shaft, mean_speed, motor = step.shaft, step.mean_speed, step.motor
+def _heat(car: Car, power: PowerConstants, s: PlanarState, step: Step, current: float) -> None:
+    """Heat windings by copper loss, power stages by what grows with the torque, cells by a current [A]; relax these."""
+    c, motor, cells, heated = power.electrical, car.motor, car.battery.cells, electrical_side.heated
+    for i in range(4):
+        torque, speed = step.motor[i], step.shaft[i] * car.gear[i]
+        copper = motor.copper_loss * torque * torque * car.driven[i]
+        if car.driven[i] == 1.0:
+            copper += weakening_loss(motor, torque, step.voltage, speed)
+        stage = motor.inverter_torque_loss * abs(torque)
+        s.winding_rise[i] = heated(s.winding_rise[i], copper, motor.thermal.winding_resistance, c.winding_left)
+        s.inverter_rise[i] = heated(s.inverter_rise[i], stage, motor.thermal.inverter_resistance, c.inverter_left)
+    heat = power.resistance * current * current
+    if c.relaxation_resistance > 0.0:
+        heat += s.relaxation * s.relaxation / c.relaxation_resistance
+    s.cells_rise = heated(s.cells_rise, heat / cells.in_series, cells.thermal_resistance, c.cells_left)
+    s.relaxation = electrical_side.relaxed(s.relaxation, current, c.relaxation_resistance, c.relaxation_share)
+
+
+@inlined
+def account(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, step: Step) -> None:
+    """Book the energies of this step, in which the wheels have `turned`, and discharge the battery."""
+    shaft, mean_speed, motor, power, h = step.shaft, step.mean_speed, step.motor, c.power, c.h
     for i in range(4):
         mean_speed[i] = step.turned[i] / h
     shaft_speeds(car, mean_speed, shaft)
@@ -216,12 +144,7 @@ def account(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants
     given = mechanical + loss + car.battery.auxiliary_power
     current = electrical_side.current_at_power(source_voltage(s, power), power.resistance, given)
     if power.electrical.modelled == 1.0:
-        electrical = power.electrical
-        heat_motors(s, car, electrical, step)
-        heat_cells(s, car, electrical, power.resistance, current)
-        s.relaxation = electrical_side.relaxed(
-            s.relaxation, current, electrical.relaxation_resistance, electrical.relaxation_share
-        )
+        _heat(car, power, s, step, current)
     s.state_of_charge -= current * h / power.capacity
     s.battery_power = given
     s.battery_work += given * h

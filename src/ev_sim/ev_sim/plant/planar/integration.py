@@ -11,17 +11,19 @@ from ev_core.law import NO_WHEELS, Car, Vehicle, inlined
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.car import car_numbers
 from ev_sim.plant.planar.body import rates, steer
-from ev_sim.plant.planar.contact import RoadTables, find_road, road_tables
+from ev_sim.plant.planar.contact import find_road
 from ev_sim.plant.planar.given import BodyConstants, PlanarParameters, body_constants
-from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE, WHEEL_SPEED, Row, Stages, Step
+from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE, WHEEL_SPEED, Row, Step
+from ev_sim.plant.planar.prepare import RoadTables, road_tables
 
 
 @inlined
-def integrate(y: Row, p: PlanarParameters, car: Car, body: BodyConstants, step: Step, stages: Stages, h: float) -> None:
+def integrate(y: Row, p: PlanarParameters, car: Car, body: BodyConstants, step: Step, h: float) -> None:
     """Advance the integrated part of the state in place by h [s].
 
     A wheel that dry friction has stopped within the step ends it at rest, exactly.
     """
+    stages = step.stages
     stage, k1, k2, k3, k4 = stages.state, stages.k1, stages.k2, stages.k3, stages.k4
     rates(y, k1, p, car, body, step, True)
     for n in range(INTEGRATED_SIZE):
@@ -53,7 +55,6 @@ class Equations:
         self._car, self._body = one_record(car_numbers(vehicle)), one_record(body_constants(vehicle))
         self._step = one_record(Step())
         self._model = (one_record(number_tree(parameters)), self._car, self._body, self._step)
-        self._stages = one_record(Stages())
         road = road_tables(parameters.road, vehicle)
         self._road = type(road)(*(type(table)(*map(np.array, table)) for table in road))
         self._rates, self._advance, self._hold, self._look = map(compiled, (_rates, _advance, _hold, _look))
@@ -75,7 +76,7 @@ class Equations:
 
     def advance(self, y: np.ndarray, h: float) -> None:
         """One step of h [s] of the plant's own method, in place."""
-        self._advance(y, *self._model, self._stages, h)
+        self._advance(y, *self._model, h)
 
 
 # Compiled code is called with arrays of one record each.
@@ -87,8 +88,8 @@ def _rates(y: Row, dy: Row, p: One, cars: One, bodies: One, steps: One, starts: 
 
 
 @inlined
-def _advance(y: Row, p: One, cars: One, bodies: One, steps: One, stages: One, h: float) -> None:
-    integrate(y, p[0], cars[0], bodies[0], steps[0], stages[0], h)
+def _advance(y: Row, p: One, cars: One, bodies: One, steps: One, h: float) -> None:
+    integrate(y, p[0], cars[0], bodies[0], steps[0], h)
 
 
 @inlined

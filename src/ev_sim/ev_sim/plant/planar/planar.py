@@ -16,8 +16,8 @@ from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.body import steer
 from ev_sim.plant.planar.car_faults import deflate, delay_commands, find_faults
 from ev_sim.plant.planar.contact import find_road
-from ev_sim.plant.planar.drive_torques import Lags, apply_drives
-from ev_sim.plant.planar.energy import PowerConstants, account
+from ev_sim.plant.planar.drive_torques import apply_drives
+from ev_sim.plant.planar.energy import account
 from ev_sim.plant.planar.given import IMPOSED, PlanarParameters, load_files
 from ev_sim.plant.planar.integration import integrate
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
@@ -54,7 +54,7 @@ def planar(
 
     Over one period the torques are held and the steering angle goes on at its rate, as the guard accepts them.
     """
-    advance(p, car, c, s, period, command, column, apply_drives, account)
+    advance(p, car, c, s, period, command, column, apply_drives, account, working_memory(state.STEP))
 
 
 @inlined
@@ -68,8 +68,13 @@ def advance(
     column: SteeringColumnState,
     apply: Callable[..., None],
     book: Callable[..., None],
+    steps: list[state.Step],
 ) -> None:
-    """One period; `apply` sets the torques of a step as `apply_drives` does, `book` its energies as `account` does."""
+    """All steps of a period, in memory of one record.
+
+    `apply` sets the torques of a step as `apply_drives` does, `book` its energies as `account` does. The road-wheel
+    angle goes on at its rate.
+    """
     torques = guarded_torques(c.limits, s.guard, command)
     angle, rate = guarded_steering(c.limits, s.guard, column, period)
     if len(c.faults.kind) > 0 or s.faults.is_struck == 1.0:
@@ -78,8 +83,36 @@ def advance(
     s.imposed_acceleration = 0.0
     if p.speed == IMPOSED:
         s.imposed_acceleration = (value_at(c.imposed, s.periods * period) - s.motion[state.VX]) / period
-    _run(p, car, c, s, torques, angle, rate, apply, book, working_memory(state.STEP), working_memory(state.STAGES))
-    s.road_wheel_angle = angle + rate * (c.steps * c.h)
+    step, h, y = steps[0], c.h, s.motion
+    step.imposed_acceleration = s.imposed_acceleration
+    for i in range(4):
+        step.drive_command[i], step.brake_command[i] = torques.drive[i], torques.brake[i]
+        s.mean_drive[i] = 0.0
+    is_struck = s.faults.is_struck == 1.0
+    if is_struck:
+        delay_commands(s.faults, s.periods - 1.0, step)
+    for n in range(int(c.steps)):
+        find_road(y, c.body, step, c.road, n == 0 or is_struck)
+        if is_struck:
+            deflate(s.faults, p, car, c.body, step)
+        time = (n + 0.5) * h
+        steer(car, step, angle + rate * time, s.rear_angle + s.rear_rate * time)
+        apply(p, car, c, s, step)
+        vx, vy, heading = y[state.VX], y[state.VY], y[state.HEADING]
+        for i in range(4):
+            step.turned[i] = -y[state.WHEEL_ANGLE + i]
+        integrate(y, p, car, c.body, step, h)
+        for i in range(4):
+            step.turned[i] += y[state.WHEEL_ANGLE + i]
+            s.mean_drive[i] += step.drive[i] / c.steps
+        # The position feeds nothing back, so the trapezoidal rule over the step is enough.
+        mean_x, mean_y = 0.5 * (vx + y[state.VX]), 0.5 * (vy + y[state.VY])
+        middle = 0.5 * (heading + y[state.HEADING])
+        cosine, sine = cos(middle), sin(middle)
+        s.x += h * (mean_x * cosine - mean_y * sine)
+        s.y += h * (mean_y * cosine + mean_x * sine)
+        book(p, car, c, s, step)
+    s.road_wheel_angle = angle + rate * (c.steps * h)
     keep_noted(s, car, c.road)
 
 
@@ -104,52 +137,6 @@ def planar_electrical(
     Voltage of the DC link and temperatures limit the torque.
     """
     planar(p, car, c, s, period, command, column)
-
-
-@inlined
-def _run(
-    p: PlanarParameters,
-    car: Car,
-    c: PlanarConstants,
-    s: state.PlanarState,
-    torques: WheelTorqueCommand,
-    angle: float,
-    rate: float,
-    apply: Callable[..., None],
-    book: Callable[..., None],
-    steps: list[state.Step],
-    stages: list[state.Stages],
-) -> None:
-    """All steps of a period, from a road-wheel angle [rad] that goes on at its rate [rad/s]."""
-    step, h, y = steps[0], c.h, s.motion
-    step.imposed_acceleration = s.imposed_acceleration
-    for i in range(4):
-        step.drive_command[i], step.brake_command[i] = torques.drive[i], torques.brake[i]
-        s.mean_drive[i] = 0.0
-    is_struck = s.faults.is_struck == 1.0
-    if is_struck:
-        delay_commands(s.faults, s.periods - 1.0, step)
-    for n in range(int(c.steps)):
-        find_road(y, c.body, step, c.road, n == 0 or is_struck)
-        if is_struck:
-            deflate(s.faults, p, car, c.body, step)
-        time = (n + 0.5) * h
-        steer(car, step, angle + rate * time, s.rear_angle + s.rear_rate * time)
-        apply(s, p, car, c.power, c.lags, step, h)
-        vx, vy, heading = y[state.VX], y[state.VY], y[state.HEADING]
-        for i in range(4):
-            step.turned[i] = -y[state.WHEEL_ANGLE + i]
-        integrate(y, p, car, c.body, step, stages[0], h)
-        for i in range(4):
-            step.turned[i] += y[state.WHEEL_ANGLE + i]
-            s.mean_drive[i] += step.drive[i] / c.steps
-        # The position feeds nothing back, so the trapezoidal rule over the step is enough.
-        mean_x, mean_y = 0.5 * (vx + y[state.VX]), 0.5 * (vy + y[state.VY])
-        middle = 0.5 * (heading + y[state.HEADING])
-        cosine, sine = cos(middle), sin(middle)
-        s.x += h * (mean_x * cosine - mean_y * sine)
-        s.y += h * (mean_y * cosine + mean_x * sine)
-        book(s, p, car, c.power, step, h)
 
 
 @method("plant", "planar_rear_steering", PlanarParameters, **PLANAR)
@@ -228,20 +215,12 @@ def planar_speed_mode(
     for i in range(4):
         most = car.motor.maximum_speed / car.gear[i]
         s.set_point[i] = accepted(s.guard, speeds.speed[i], s.set_point[i], -most, most)
-    advance(p, car, c, s, period, command, column, _apply, account)
+    advance(p, car, c, s, period, command, column, _apply, account, working_memory(state.STEP))
 
 
 @inlined
-def _apply(
-    s: SpeedModeState,
-    p: PlanarSpeedModeParameters,
-    car: Car,
-    power: PowerConstants,
-    lags: Lags,
-    step: state.Step,
-    h: float,
-) -> None:
-    """Set the torques of a step of h [s] as in torque mode, by the torque that each speed control asks for."""
+def _apply(p: PlanarSpeedModeParameters, car: Car, c: PlanarConstants, s: SpeedModeState, step: state.Step) -> None:
+    """Set the torques of a step as in torque mode, by the torque that each speed control asks for."""
     command, control = step.drive_command, p.speed_control
     front_left, front_right, rear_left, rear_right = command[0], command[1], command[2], command[3]
     for i in range(4):
@@ -252,9 +231,9 @@ def _apply(
             continue
         error = gear * (s.set_point[i] - s.motion[state.WHEEL_SPEED + i])
         asked, s.speed_integral[i] = speed_control_without_windup(
-            control.gain, control.integral_time, s.speed_integral[i], error, h, least, most
+            control.gain, control.integral_time, s.speed_integral[i], error, c.h, least, most
         )
         if (command[i] > 0.0 and asked < most) or (command[i] < 0.0 and asked > least):
             command[i] = gear * min(max(asked, least), most)
-    apply_drives(s, p, car, power, lags, step, h)
+    apply_drives(p, car, c, s, step)
     command[0], command[1], command[2], command[3] = front_left, front_right, rear_left, rear_right

@@ -22,9 +22,9 @@ from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.body import rates, steer
 from ev_sim.plant.planar.car_faults import deflate
 from ev_sim.plant.planar.contact import find_road, slips
-from ev_sim.plant.planar.energy import PowerConstants, drive_loss, source_voltage, terminal_voltage
+from ev_sim.plant.planar.energy import drive_loss, source_voltage, terminal_voltage
 from ev_sim.plant.planar.given import PlanarParameters
-from ev_sim.plant.planar.planar_state import STAGES, STEP, PlanarState, Stages, Step
+from ev_sim.plant.planar.planar_state import STEP, PlanarState, Step
 from ev_sim.plant.planar.prepare import PlanarConstants
 
 Seen = tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces]
@@ -34,21 +34,19 @@ PLANAR_SIGNALS: tuple[type, ...] = get_args(Seen)
 @compilable
 def outputs(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState) -> Seen:
     """All signals at the instant of the state; drive torques are means over the period before it."""
-    return seen(p, car, c, s, working_memory(STEP), working_memory(STAGES))
+    return seen(p, car, c, s, working_memory(STEP))
 
 
 @compilable
-def seen(
-    p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, steps: list[Step], stages: list[Stages]
-) -> Seen:
-    """The same, with what acts in memory that is handed over, of one record each."""
+def seen(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, steps: list[Step]) -> Seen:
+    """The same, with what acts in memory that is handed over, of one record."""
     y, step = s.motion, steps[0]
     step.imposed_acceleration = s.imposed_acceleration
     find_road(y, c.body, step, c.road, True)
     if s.faults.is_struck == 1.0:
         deflate(s.faults, p, car, c.body, step)
     steer(car, step, s.road_wheel_angle, s.rear_angle)
-    rates(y, stages[0].k1, p, car, c.body, step, True)
+    rates(y, step.stages.k1, p, car, c.body, step, True)
     shaft_speeds(car, y[state.WHEEL_SPEED : state.WHEEL_SPEED + 4], step.shaft)
     slip_x, slip_y = step.asked, step.target  # memory that nothing else needs here
     for i in range(4):
@@ -56,14 +54,17 @@ def seen(
         step.motor[i] = s.motor_torque[i] * car.motors[i]
         slip_x[i], sine = slips(y, car, c.body, step.contact, i)
         slip_y[i] = -asin(min(max(sine, -1.0), 1.0))
-    tyre = step.tyre
+    tyre, power, soc = step.tyre, c.power, s.state_of_charge
+    source, capacity = source_voltage(s, power), power.capacity / 3600.0
+    current = current_at_power(source, power.resistance, s.battery_power)
     return (
         WheelStates(wheels_from(y, state.WHEEL_ANGLE), wheels_from(y, state.WHEEL_SPEED), wheels_from(s.mean_drive, 0)),
         MotorStates(wheels_from(step.shaft, 0), wheels_from(step.motor, 0)),
         InertialMeasurement(y[state.YAW_RATE], step.acceleration_x, step.acceleration_y),
         BodyVelocity(y[state.VX], y[state.VY], y[state.YAW_RATE]),
         BodyPose(s.x, s.y, sin(y[state.HEADING] / 2), cos(y[state.HEADING] / 2)),
-        battery_condition(s, c.power),
+        # Under the power of the last step; the current counts into the battery.
+        BatteryCondition(source - power.resistance * current, -current, soc * capacity, capacity, soc),
         TireForces(
             wheels_from(step.force_x, 0),
             wheels_from(step.force_y, 0),
@@ -72,17 +73,6 @@ def seen(
             wheels_from(slip_y, 0),
             Wheels(tyre[0].friction, tyre[1].friction, tyre[2].friction, tyre[3].friction),
         ),
-    )
-
-
-@compilable
-def battery_condition(s: PlanarState, power: PowerConstants) -> BatteryCondition:
-    """Terminal values under the power of the last step; the current counts into the battery."""
-    source, resistance = source_voltage(s, power), power.resistance
-    current = current_at_power(source, resistance, s.battery_power)
-    capacity = power.capacity / 3600.0
-    return BatteryCondition(
-        source - resistance * current, -current, s.state_of_charge * capacity, capacity, s.state_of_charge
     )
 
 

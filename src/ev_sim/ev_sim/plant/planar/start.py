@@ -9,10 +9,10 @@ from ev_sim.drives.combustion_engine import begin_engine
 from ev_sim.plant.guard import guard_notes
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.body import loads
-from ev_sim.plant.planar.contact import RoadTables, find_road, gravity_at, look, within_friction
+from ev_sim.plant.planar.contact import find_road, gravity_at, look, within_friction
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.planar_state import PlanarState, Step
-from ev_sim.plant.planar.prepare import PlanarConstants
+from ev_sim.plant.planar.prepare import PlanarConstants, RoadTables
 from ev_sim.tyres.curve import FRICTION_CURVES, Coefficients, friction, peak_slip
 
 _REFUSED = (
