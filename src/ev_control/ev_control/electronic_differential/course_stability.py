@@ -9,29 +9,10 @@ from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.wheel_dynamics import wheel_load
 from ev_control.law import BrakeSplitParameters, split
 from ev_control.shared.allocation import motor_range
-from ev_control.shared.assistance import (
-    AssistanceParameters,
-    assistance,
-    torque_difference_per_steering_moment,
-)
-from ev_core.law import (
-    FRONT_WHEELS_DRIVEN,
-    GRAVITY,
-    Car,
-    compilable,
-    group,
-    method,
-    only_driven,
-    parameter,
-)
-from ev_msgs_py.contract.signals import (
-    DriverCommand,
-    InertialMeasurement,
-    SteeringColumnState,
-    TireForces,
-    WheelStates,
-    WheelTorqueRequest,
-)
+from ev_control.shared.assistance import AssistanceParameters, assistance, torque_difference_per_steering_moment
+from ev_core.law import FRONT_WHEELS_DRIVEN, InertialMeasurement, compilable, group, method, only_driven, parameter
+from ev_core.vehicle.car import GRAVITY, Car
+from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, TireForces, WheelStates, WheelTorqueRequest
 
 FIRSTS = ("steering", "yaw")
 STEERING, YAW = range(len(FIRSTS))

@@ -8,15 +8,9 @@ from ev_control.estimation import slip_angle_observer
 from ev_control.estimation.plausible import is_plausible
 from ev_control.law import BrakeSplitParameters, split_brake
 from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
-from ev_core.law import ALL_WHEELS_DRIVEN, Car, Wheels, compilable, cos, entry, group, hypot, parameter, part, setting
-from ev_msgs_py.contract.signals import (
-    BodyVelocity,
-    DriverCommand,
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueRequest,
-)
+from ev_core.law import ALL_WHEELS_DRIVEN, BodyVelocity, Car, DriverCommand, Wheels, compilable, cos, entry, hypot, part
+from ev_core.parameters.declaration import group, parameter, setting
+from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState, WheelStates, WheelTorqueRequest
 
 FACTORS = ("given", "inertia", "equality")
 GIVEN, INERTIA, EQUALITY = range(len(FACTORS))

@@ -5,18 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ev_core.elementary import copysign, cos, sin
-from ev_core.law import GRAVITY, Car, Vehicle, Wheels, compilable, each_wheel, entry, equal_motors, part, setting
-from ev_core.methods.register import method
-from ev_msgs_py.contract.signals import (
-    BodyPose,
-    BodyVelocity,
-    InertialMeasurement,
-    MotorStates,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-)
+from ev_core.law import BodyPose, Vehicle, Wheels, WheelTorqueCommand, copysign, cos, equal_motors, method, setting, sin
+from ev_core.parameters.record import each_wheel, entry, part
+from ev_core.vehicle.car import GRAVITY, Car
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.signals import BodyVelocity, InertialMeasurement, MotorStates, SteeringColumnState, WheelStates
 from ev_sim.drives.brushless_motor import DriveState
 from ev_sim.drives.drive import DriveParameters, advance_drive
 from ev_sim.plant.ackermann import course_offset, path_curvature, wheel_speed_ratios

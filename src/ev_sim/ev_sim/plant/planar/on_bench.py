@@ -7,21 +7,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.law import BenchElectrical, BenchShafts, Car, LoadCommand, Vehicle, compilable, inlined, method, parameter
-from ev_core.parameters.record import entry, per_wheel, working_memory
+from ev_core.law import Car, Vehicle, compilable, entry, inlined, method, parameter, per_wheel, working_memory
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
 from ev_msgs_py.can.frames import SPEED_MODE
+from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchShafts, LoadCommand
 from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.electrical_side import current_at_power
 from ev_sim.plant.guard import accepted
-from ev_sim.plant.planar.drive_torques import behind_gear
-from ev_sim.plant.planar.energy import source_voltage
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.planar import PLANAR, advance
 from ev_sim.plant.planar.planar_state import STEP, VX, WHEEL_SPEED, PlanarState, Step
+from ev_sim.plant.planar.powertrain import behind_gear, source_voltage
 from ev_sim.plant.planar.prepare import PlanarConstants
-from ev_sim.plant.planar.shown import PLANAR_SIGNALS, Seen, seen, wheels_from
-from ev_sim.plant.planar.start import begin
+from ev_sim.plant.planar.shown import PLANAR_SIGNALS, Seen, begin, seen, wheels_from
 
 WHEEL_SPEEDS = ("virtual", "load_machine")
 VIRTUAL, LOAD_MACHINE = range(len(WHEEL_SPEEDS))

@@ -6,23 +6,28 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ev_core.law import Car, SteeringColumnState, Vehicle, WheelTorqueCommand, cos, group, inlined, method, sin
-from ev_core.parameters.record import per_wheel, working_memory
+from ev_core.law import Car, Vehicle, cos, group, inlined, method, per_wheel, sin, working_memory
 from ev_core.vehicle.driveline import has_own_motors
 from ev_msgs_py.contract.optional_signals import RearSteeringState, WheelSpeedCommand
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.synchronous_motor import SpeedModeParameters, speed_control_without_windup
 from ev_sim.plant.guard import accepted, guarded_steering, guarded_torques
 from ev_sim.plant.planar import planar_state as state
-from ev_sim.plant.planar.body import steer
+from ev_sim.plant.planar.body import integrate, steer
 from ev_sim.plant.planar.car_faults import deflate, delay_commands, find_faults
 from ev_sim.plant.planar.contact import find_road
-from ev_sim.plant.planar.drive_torques import apply_drives
-from ev_sim.plant.planar.energy import account
 from ev_sim.plant.planar.given import IMPOSED, PlanarParameters, load_files
-from ev_sim.plant.planar.integration import integrate
+from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
-from ev_sim.plant.planar.shown import ELECTRICAL_SIGNALS, PLANAR_SIGNALS, electrical_outputs, outputs
-from ev_sim.plant.planar.start import begin, keep_noted, notes
+from ev_sim.plant.planar.shown import (
+    ELECTRICAL_SIGNALS,
+    PLANAR_SIGNALS,
+    begin,
+    electrical_outputs,
+    keep_noted,
+    notes,
+    outputs,
+)
 from ev_sim.profiles.profile import value_at
 
 # What all methods of this plant have, but for what they give themselves.
