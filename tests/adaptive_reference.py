@@ -24,9 +24,8 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.plant.guard import GuardState, guarded_steering, guarded_torques
 from ev_sim.plant.planar.body import rates, steer
 from ev_sim.plant.planar.contact import find_road
-from ev_sim.plant.planar.powertrain import apply_drives
-from ev_sim.plant.planar.powertrain import account
 from ev_sim.plant.planar.planar_state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, Step, index
+from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import Lags, prepare
 from ev_sim.recording.recording import Recording
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
-from ev_core.law import BodyVelocity, DriverCommand, Instant, Vehicle, compilable, copysign, entry, method, part
-from ev_core.parameters.declaration import group, parameter, setting
+from ev_core.law import Vehicle, compilable, copysign, entry, group, method, parameter, part, setting
 from ev_core.vehicle.car import GRAVITY, Car, speed_along_path
+from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant
 from ev_sim.profiles.profile import (
     Profile,
     SpeedProfileParameters,

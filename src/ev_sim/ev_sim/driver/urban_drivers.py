@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from ev_core.law import GRAVITY, Car, Need, Vehicle, any_driven, compilable, entry, part, speed_along_path
+from ev_core.law import Need, Vehicle, any_driven, compilable, entry, group, parameter, part
 from ev_core.methods.law import named_after
-from ev_core.parameters.declaration import group, parameter
+from ev_core.vehicle.car import GRAVITY, Car, speed_along_path
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
 from ev_sim.driver.path import Path, path_of
 from ev_sim.driver.path_follower import LaneKeepingParameters, LaneKeepingState, keep_lane, road_notes

@@ -12,18 +12,9 @@ from ev_core.parameters.declaration import number_tree
 from ev_msgs_py.can import drive_states, frames
 from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.frames import SENT, TICK, BenchFrames, DeviceFrames, bench_frames, is_due
-from ev_sim.inverter import power_stage
+from ev_sim.inverter import on_channel, power_stage
 from ev_sim.inverter.device import Circuit, Inverter
 from ev_sim.inverter.inverter_parameters import CircuitParameters, InverterParameters
-from ev_sim.inverter.on_channel import (
-    begin_cycle,
-    end_cycle,
-    grow_older,
-    made,
-    missing_set_point,
-    receive_set_point,
-    ticks_between,
-)
 
 _NO_TORQUE = 1.0  # N m, the error of the torque transducer: below it a quick stop is over
 _CODES = tuple(float(fault.code) for fault in frames.FAULTS)
@@ -44,12 +35,12 @@ def advance_inverter(p: InverterParameters, s: Inverter, speed: float, period: f
 @compilable
 def lead_inverter(p: InverterParameters, s: Inverter, speed: float, period: float) -> None:
     """The first part of a cycle: what is wrong, and which state follows."""
-    begin_cycle(s)
+    on_channel.begin_cycle(s)
     power_stage.advance_dc_link(p.dc_link, s, period)
     causes = _causes(p, s, speed, period)
     _latch(s, causes)
     control, torque_gone = int(s.command.controlword), abs(s.torque) < _NO_TORQUE
-    silent = missing_set_point(s, p.command_timeout, period) != 0
+    silent = on_channel.missing_set_point(s, p.command_timeout, period) != 0
     before, charged = int(s.state), s.dc_link.contactor != 0.0
     reset, faulty = s.command.reset != 0.0 and not silent, causes != 0
     s.state = float(drive_states.next_state(before, control, reset, faulty, charged, torque_gone))
@@ -63,14 +54,18 @@ def lead_inverter(p: InverterParameters, s: Inverter, speed: float, period: floa
 def end_inverter_cycle(p: InverterParameters, s: Inverter, period: float) -> None:
     """The last part of a cycle, behind torque and temperatures: warnings, and everything gets older."""
     s.warnings = float(_warnings(p, s))
-    end_cycle(s, period)
+    on_channel.end_cycle(s, period)
 
 
 @compilable
 def _causes(p: InverterParameters, s: Inverter, speed: float, period: float) -> int:
     """The bits of everything that is wrong now."""
     state, mode = int(s.state), int(s.command.mode)
-    bits = power_stage.temperature_faults(p.thermal, s) | power_stage.dc_link_faults(p.dc_link, s)
+    bits = power_stage.dc_link_faults(p.dc_link, s)
+    if power_stage.winding_temperature(p.thermal, s) > p.thermal.winding_limit:
+        bits |= frames.WINDING_TEMPERATURE
+    if power_stage.inverter_temperature(p.thermal, s) > p.thermal.inverter_limit:
+        bits |= frames.INVERTER_TEMPERATURE
     if s.injected.trip != 0.0:
         bits |= frames.TRIP
     if abs(speed) > p.over_speed * p.machine.maximum_speed:
@@ -78,7 +73,7 @@ def _causes(p: InverterParameters, s: Inverter, speed: float, period: float) -> 
     if s.phase_current + s.injected.current_rise > p.largest_current:
         bits |= frames.OVER_CURRENT
     if drive_states.READY_TO_SWITCH_ON <= state <= drive_states.QUICK_STOP_ACTIVE:
-        bits |= missing_set_point(s, p.command_timeout, period)
+        bits |= on_channel.missing_set_point(s, p.command_timeout, period)
         offered = mode in (frames.NO_MODE, frames.TORQUE_MODE) or (
             mode == frames.SPEED_MODE and p.offers_speed_mode != 0.0
         )
@@ -146,7 +141,7 @@ class InverterStation:
 
     def hear(self, payload: int) -> None:
         """Take a set-point, and count those that were lost before it."""
-        if is_valid(receive_set_point(self._frames.set_point, self._own, self.s, payload)):
+        if is_valid(on_channel.receive_set_point(self._frames.set_point, self._own, self.s, payload)):
             self.lost += self.s.check.lost_data
 
     def due(self, before: float, now: float, speed: float) -> list[Frame]:
@@ -154,10 +149,10 @@ class InverterStation:
         return [
             Frame(
                 int(self._own.identifiers[kind]),
-                made(self._frames, self._own, self.p, self.s, kind, speed).to_bytes(length, "little"),
+                on_channel.made(self._frames, self._own, self.p, self.s, kind, speed).to_bytes(length, "little"),
             )
             for kind, length in enumerate(self._lengths)
-            if self.s.injected.silent == 0.0 and is_due(ticks_between(self._frames, kind), before, now)
+            if self.s.injected.silent == 0.0 and is_due(on_channel.ticks_between(self._frames, kind), before, now)
         ]
 
 
@@ -183,7 +178,7 @@ class ChannelStation:
         """
         lost, speeds = max(ticks - _MADE_GOOD, 0), (0.0, 0.0)
         for inverter in self.inverters:
-            grow_older(inverter.s, lost * TICK)
+            on_channel.grow_older(inverter.s, lost * TICK)
         for tick in range(lost, ticks):
             speeds = self.advance(before + tick)
         both = zip(self.inverters, speeds, strict=True)

@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 from functools import partial
 
-from ev_core.elementary import sin, tan
-from ev_core.law import BodyVelocity, Car, Instant, SteeringColumnState, Vehicle, compilable, entry, method
-from ev_core.parameters.declaration import group, parameter, setting
+from ev_core.law import Car, Vehicle, compilable, entry, group, method, parameter, setting, sin, tan
+from ev_msgs_py.contract.signals import BodyVelocity, Instant, SteeringColumnState
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
 
 ROBOT_SHAPES = ("profile", "sine_with_dwell")

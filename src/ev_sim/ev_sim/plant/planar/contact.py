@@ -26,26 +26,21 @@ def find_road(y: Row, body: BodyConstants, step: Step, road: RoadTables, first: 
     for axle in range(2):
         _look_under(y, body, step, road.left, 2 * axle, first)
         _look_under(y, body, step, road.right, 2 * axle + 1, first)
-    slope, before = road.slope, 0 if first else int(step.slope_segment)
-    rise, segment = interpolate(slope.distance, slope.grade, y[state.BODY_DISTANCE], before)
-    side_rise, _ = interpolate(slope.distance, slope.side_slope, y[state.BODY_DISTANCE], segment)
+    before = 0 if first else int(step.slope_segment)
+    step.gravity_x, step.gravity_y, step.gravity_z, segment = gravity_at(road.slope, y[state.BODY_DISTANCE], before)
     step.slope_segment = float(segment)
-    step.gravity_x, step.gravity_y, step.gravity_z = gravity_on(rise, side_rise)
 
 
 @inlined
-def gravity_on(rise: float, side_rise: float) -> tuple[float, float, float]:
-    """Gravity in the frame of a road [m/s^2] with a grade and a side slope [1]: along, to the left, and onto it."""
-    onto = GRAVITY / sqrt(1.0 + rise * rise + side_rise * side_rise)
-    return -rise * onto, -side_rise * onto, onto
+def gravity_at(slope: Slope, distance: float, before: int) -> tuple[float, float, float, int]:
+    """Gravity in the frame of the road [m/s^2]: along, to the left, and onto it; and the segment, found from `before`.
 
-
-@inlined
-def gravity_at(slope: Slope, distance: float) -> tuple[float, float, float]:
-    """The same at a travelled distance of the centre of mass [m]."""
-    rise, segment = interpolate(slope.distance, slope.grade, distance, 0)
+    It is that at a travelled distance of the centre of mass [m], by grade and side slope there.
+    """
+    rise, segment = interpolate(slope.distance, slope.grade, distance, before)
     side_rise, _ = interpolate(slope.distance, slope.side_slope, distance, segment)
-    return gravity_on(rise, side_rise)
+    onto = GRAVITY / sqrt(1.0 + rise * rise + side_rise * side_rise)
+    return -rise * onto, -side_rise * onto, onto, segment
 
 
 @inlined

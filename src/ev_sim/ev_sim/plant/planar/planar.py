@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from ev_core.law import Car, Vehicle, cos, group, inlined, method, per_wheel, sin, working_memory
@@ -13,31 +14,23 @@ from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.synchronous_motor import SpeedModeParameters, speed_control_without_windup
 from ev_sim.plant.guard import accepted, guarded_steering, guarded_torques
 from ev_sim.plant.planar import planar_state as state
+from ev_sim.plant.planar import shown
 from ev_sim.plant.planar.body import integrate, steer
 from ev_sim.plant.planar.car_faults import deflate, delay_commands, find_faults
 from ev_sim.plant.planar.contact import find_road
 from ev_sim.plant.planar.given import IMPOSED, PlanarParameters, load_files
 from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
-from ev_sim.plant.planar.shown import (
-    ELECTRICAL_SIGNALS,
-    PLANAR_SIGNALS,
-    begin,
-    electrical_outputs,
-    keep_noted,
-    notes,
-    outputs,
-)
 from ev_sim.profiles.profile import value_at
 
 # What all methods of this plant have, but for what they give themselves.
 PLANAR: dict[str, Any] = {
     "state": state.PlanarState,
     "prepare": prepare,
-    "start": begin,
-    "outputs": outputs,
-    "notes": notes,
-    "writes": PLANAR_SIGNALS,
+    "start": shown.begin,
+    "outputs": shown.outputs,
+    "notes": shown.notes,
+    "writes": shown.PLANAR_SIGNALS,
     "load_files": load_files,
     "heavy": True,
     "mirrored": True,
@@ -118,14 +111,14 @@ def advance(
         s.y += h * (mean_y * cosine + mean_x * sine)
         book(p, car, c, s, step)
     s.road_wheel_angle = angle + rate * (c.steps * h)
-    keep_noted(s, car, c.road)
+    shown.keep_noted(s, car, c.road)
 
 
 @method(
     "plant",
     "planar_electrical",
     PlanarParameters,
-    **PLANAR | {"prepare": prepare_electrical, "outputs": electrical_outputs, "writes": ELECTRICAL_SIGNALS},
+    **PLANAR | {"prepare": prepare_electrical, "outputs": shown.electrical_outputs, "writes": shown.ELECTRICAL_SIGNALS},
 )
 @inlined
 def planar_electrical(
@@ -182,12 +175,6 @@ class SpeedModeState(state.PlanarState):
     speed_integral: list[float] = per_wheel(unit="N m", about="integral part of the speed control, at the shaft")
 
 
-def begin_speed_mode(p: PlanarSpeedModeParameters, car: Car, c: PlanarConstants) -> SpeedModeState:
-    """As the planar plant begins."""
-    started: SpeedModeState = begin(p, car, c, SpeedModeState)
-    return started
-
-
 def a_motor_for_each_wheel(_parameters: PlanarSpeedModeParameters, vehicle: Vehicle) -> str:
     """A drive controls the speed of its own wheel."""
     return "" if has_own_motors(vehicle) else "driveline.coupling individual"
@@ -198,7 +185,7 @@ def a_motor_for_each_wheel(_parameters: PlanarSpeedModeParameters, vehicle: Vehi
     "planar_speed_mode",
     PlanarSpeedModeParameters,
     needs=(a_motor_for_each_wheel,),
-    **PLANAR | {"state": SpeedModeState, "start": begin_speed_mode},
+    **PLANAR | {"state": SpeedModeState, "start": partial(shown.begin, kind=SpeedModeState)},
 )
 @inlined
 def planar_speed_mode(

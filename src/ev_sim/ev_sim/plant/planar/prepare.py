@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ev_core.law import WHEEL_NAMES, ParameterError, Vehicle, exp, expm1, sqrt
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
-from ev_sim.drives.brushless_motor import MotorParameters, torque_constant
+from ev_sim.drives.brushless_motor import torque_constant
 from ev_sim.drives.drive import DRIVES
 from ev_sim.plant.guard import GuardLimits, guard_limits
 from ev_sim.plant.planar.car_faults import CarFaults, car_faults
@@ -51,16 +51,6 @@ def longest_step(vehicle: Vehicle) -> float:
             f"{lightest:g} kg m^2 and a car of {vehicle.mass:g} kg, allowed is {SHORTEST_STEP:g} s or more"
         )
     return step
-
-
-def longest_brushless_step(vehicle: Vehicle, motor: MotorParameters) -> float:
-    """The longest step [s] over which a brushless DC drive may see one shaft speed.
-
-    Without voltage to spare its current swings against the wheel with n k/sqrt(2 L J_w), torque constant k behind the
-    gear ratio n.
-    """
-    constant = vehicle.gear_ratio * torque_constant(motor)
-    return BRUSHLESS_PRODUCT / constant * sqrt(2.0 * motor.inductance * vehicle.wheel_inertia)
 
 
 def _fastest(stiffness: float, damping_time: float, mass: float) -> float:
@@ -230,7 +220,10 @@ def number_of_steps(parameters: PlanarParameters, vehicle: Vehicle, period: floa
     if vehicle.suspension.roll_lag > 0.0:
         longest = min(longest, vehicle.suspension.roll_lag)
     if parameters.drive in DRIVES:
-        longest = min(longest, longest_brushless_step(vehicle, parameters.motor))
+        # A brushless DC drive may see one shaft speed over a step: without voltage to spare its current swings against
+        # the wheel with n k/sqrt(2 L J_w), torque constant k behind the gear ratio n.
+        constant, inductance = vehicle.gear_ratio * torque_constant(parameters.motor), parameters.motor.inductance
+        longest = min(longest, BRUSHLESS_PRODUCT / constant * sqrt(2.0 * inductance * vehicle.wheel_inertia))
     rounding = 1e-12  # a period of a whole number of steps gets no more than that
     return max(math.ceil(period / longest * (1.0 - rounding)), 1)
 

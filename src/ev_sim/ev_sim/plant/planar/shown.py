@@ -34,7 +34,7 @@ def keep_noted(s: PlanarState, car: Car, road: RoadTables) -> None:
     """Keep which wheels are off the ground in this state, and whether the battery is empty."""
     if s.state_of_charge <= 0.0:
         s.battery_empty = 1.0
-    _, _, gravity_z = gravity_at(road.slope, s.motion[state.BODY_DISTANCE])
+    _, _, gravity_z, _ = gravity_at(road.slope, s.motion[state.BODY_DISTANCE], 0)
     load = loads(s.motion, car, gravity_z)
     for i in range(4):
         if load[i] == 0.0:
