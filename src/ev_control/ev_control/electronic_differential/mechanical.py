@@ -26,16 +26,9 @@ def equal_torque(p: EqualTorqueParameters, car: Car, driver: DriverCommand) -> W
     return split(p.brake, car, driver, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
-class OpenDifferentialParameters:
-    """Only the brakes leave a choice: the differential has no friction."""
-
-    brake: BrakeSplitParameters = group(BrakeSplitParameters)
-
-
-@differential("open_differential", OpenDifferentialParameters, needs=(any_driven, equal_motors))
+@differential("open_differential", EqualTorqueParameters, needs=(any_driven, equal_motors))
 @compilable
-def open_differential(p: OpenDifferentialParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
+def open_differential(p: EqualTorqueParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
     """Equal torques left and right as behind a mechanical differential, whose wheels cannot get more than both grip.
 
     M_left = M_right = M_axle/2 [N m] (dissertation, section 3.2), the torques of the axles alike, none above what one
@@ -147,19 +140,13 @@ def limited_slip_variable(
     M_slow/M_fast = 1 + (K - 1) min(|d|/d_full, 1) with the difference d of the wheel speeds [rad/s] and K = 1.5
     (dissertation, section 3.4); the sum of the torques [N m] is the driver's.
     """
-    equal, speed = split(p.brake, car, driver, 0.0), wheels.velocity
-    front = signed_share(p, speed.front_left - speed.front_right)
-    rear = signed_share(p, speed.rear_left - speed.rear_right)
+    equal, speed, rise = split(p.brake, car, driver, 0.0), wheels.velocity, p.largest_locking_ratio - 1.0
+    apart_front, apart_rear = speed.front_left - speed.front_right, speed.rear_left - speed.rear_right
+    front = locking_share(1.0 + rise * min(abs(apart_front) / p.full_locking_speed, 1.0))
+    rear = locking_share(1.0 + rise * min(abs(apart_rear) / p.full_locking_speed, 1.0))
+    front, rear = front if apart_front >= 0.0 else -front, rear if apart_rear >= 0.0 else -rear
     drive = locked(car, equal.drive, front, rear)
     return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, equal.brake))
-
-
-@compilable
-def signed_share(p: LimitedSlipVariableParameters, difference: float) -> float:
-    """(K - 1)/(K + 1) at a difference of the wheel speeds [rad/s], with its sign [1]."""
-    rise = p.largest_locking_ratio - 1.0
-    share = locking_share(1.0 + rise * min(abs(difference) / p.full_locking_speed, 1.0))
-    return share if difference >= 0.0 else -share
 
 
 @dataclass(frozen=True, slots=True)

@@ -169,10 +169,16 @@ def tracking(
 
 
 @dataclass(frozen=True, slots=True)
-class PulseParameters(CycleDriverParameters):
-    """The cycle, the power, and when the foot goes down and up."""
+class ImposedSpeedParameters(CycleDriverParameters):
+    """The cycle and the power."""
 
     level: PowerLevelParameters = group(PowerLevelParameters)
+
+
+@dataclass(frozen=True, slots=True)
+class PulseParameters(ImposedSpeedParameters):
+    """The same, and when the foot goes down and up."""
+
     band: float = parameter(
         0.3, unit="m/s", low=0.0, high=10.0, about="the foot goes down this far below the cycle, up this far above it"
     )
@@ -192,13 +198,6 @@ def pulse(
     elif speed >= wanted + p.band:
         s.pressed = 0.0
     return torque_of_power(p.level, car, speed, wheels) if s.pressed == 1.0 else 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class ImposedSpeedParameters(CycleDriverParameters):
-    """The cycle and the power."""
-
-    level: PowerLevelParameters = group(PowerLevelParameters)
 
 
 # A free car would run away from a foot that does not know its speed.
