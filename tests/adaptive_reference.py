@@ -30,10 +30,9 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.plant.guard import GuardState, guarded_steering, guarded_torques
 from ev_sim.plant.planar.body import rates, steer
 from ev_sim.plant.planar.contact import find_road
-from ev_sim.plant.planar.drive_torques import Lags, apply_drives
-from ev_sim.plant.planar.energy import account
 from ev_sim.plant.planar.planar_state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, Step, index
-from ev_sim.plant.planar.prepare import prepare
+from ev_sim.plant.planar.powertrain import account, apply_drives
+from ev_sim.plant.planar.prepare import Lags, prepare
 from ev_sim.recording.recording import Recording
 
 SIZE = index("drives.front_left.torque")  # what comes before is advanced by differential equations
@@ -129,6 +128,7 @@ class _Equations:
 
     def __init__(self, plant: DrivenPlant) -> None:
         given = Given(plant.law, plant.parameters, plant.vehicle, plant.period)
+        given.values["c"] = given.values["c"]._replace(h=1.0, lags=NO_LAGS)
         self._step, self._margins = one_record(Step()), np.zeros(4)
         self._slopes, self._decide = bound(slopes_of, given), bound(decide, given)
         self.events = [self._event(i) for i in range(4)]
@@ -193,7 +193,7 @@ def slopes_of(p, car, c, s, state, slope, margins, angle, steps):
     s.battery_work = s.motor_loss = s.driveline_loss = s.auxiliary_work = s.drive_work = 0.0
     find_road(s.motion, c.body, step, c.road, True)
     steer(car, step, angle, 0.0)
-    apply_drives(s, p, car, c.power, NO_LAGS, step, 1.0)
+    apply_drives(p, car, c, s, step)
     rates(state, slope, p, car, c.body, step, False)
     for i in range(4):
         slope[MOTOR_TORQUE + i] = (s.motor_torque[i] - state[MOTOR_TORQUE + i]) / car.motor.torque_lag
@@ -202,7 +202,7 @@ def slopes_of(p, car, c, s, state, slope, margins, angle, steps):
         torque, dry = dry_friction(car, step, i, state[VX])
         margins[i] = dry - abs(torque) if step.held[i] == 1.0 else step.motion[i] * state[WHEEL_SPEED + i]
         step.turned[i] = state[WHEEL_SPEED + i]
-    account(s, p, car, c.power, step, 1.0)
+    account(p, car, c, s, step)
     slope[BATTERY_WORK], slope[MOTOR_LOSS], slope[DRIVELINE_LOSS] = s.battery_work, s.motor_loss, s.driveline_loss
     slope[AUXILIARY_WORK], slope[DRIVE_WORK] = s.auxiliary_work, s.drive_work
     slope[STATE_OF_CHARGE] = s.state_of_charge - state[STATE_OF_CHARGE]

@@ -13,8 +13,15 @@ from hypothesis import strategies as st
 
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.car import GRAVITY
-from ev_sim.driver.path import Path, PathParameters, path_of
-from ev_sim.driver.speed_plan import SpeedPlanParameters, SpeedPlanState, planned_speed, speed_plan
+from ev_sim.driver.path import (
+    Path,
+    PathParameters,
+    SpeedPlanParameters,
+    SpeedPlanState,
+    path_of,
+    planned_speed,
+    speed_plan,
+)
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 

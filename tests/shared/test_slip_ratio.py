@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ev_control.electronic_differential.slip_target import slip_ratio
+from ev_control.electronic_differential.rear_targets import slip_ratio
 
 
 def test_slip_ratio_has_the_divisor_of_the_paper():

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_sim.plant.ackermann import course_offset, front_wheel_angles, path_curvature, wheel_speed_ratios
+from ev_sim.plant.kinematic import course_offset, front_wheel_angles, path_curvature, wheel_speed_ratios
 
 WHEELBASE = 2.405
 TRACK = 1.462

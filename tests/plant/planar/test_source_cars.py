@@ -13,7 +13,7 @@ from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import BodyVelocity, InertialMeasurement, TireForces, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.plant.planar.integration import Equations
+from ev_sim.plant.planar.body import Equations
 from ev_sim.plant.planar.planar_state import DRAG_WORK, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED
 
 REAR_DRIVEN = dataclasses.replace(CAR, driven_wheels=("rear_left", "rear_right"))

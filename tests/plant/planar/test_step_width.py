@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import TireForces
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.plant.planar.integration import Equations
+from ev_sim.plant.planar.body import Equations
 from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, YAW_RATE
 from ev_sim.plant.planar.prepare import number_of_steps
 

@@ -9,21 +9,8 @@ from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.wheel_dynamics import wheel_load
 from ev_control.law import BrakeSplitParameters, split
 from ev_control.shared.allocation import motor_range
-from ev_control.shared.torque_split import (
-    AssistanceParameters,
-    assistance,
-    torque_difference_per_steering_moment,
-)
-from ev_core.law import (
-    FRONT_WHEELS_DRIVEN,
-    GRAVITY,
-    Car,
-    compilable,
-    group,
-    method,
-    only_driven,
-    parameter,
-)
+from ev_control.shared.assistance import AssistanceParameters, assistance, torque_difference_per_steering_moment
+from ev_core.law import FRONT_WHEELS_DRIVEN, GRAVITY, Car, compilable, group, method, only_driven, parameter
 from ev_msgs_py.contract.signals import (
     DriverCommand,
     InertialMeasurement,
@@ -121,7 +108,8 @@ def course_stability(
     if is_plausible(column, wheels, imu):
         mu = tires.friction_coefficient
         friction = p.error_factor * min(mu.front_left, mu.front_right)
-        yaw = lever * yaw_moment(p, car, friction, column, wheels, imu)
+        rear_speed = car.wheel_radius * (wheels.velocity.rear_left + wheels.velocity.rear_right) / 2.0
+        yaw = lever * yaw_moment(p, car, friction, column, rear_speed, imu.yaw_rate)
         room = room_of(p, car, friction, driver.drive_torque / 2.0, wheels, imu)
         if p.first == STEERING:
             steering = within(room, steering)
@@ -134,15 +122,9 @@ def course_stability(
 
 @compilable
 def yaw_moment(
-    p: CourseStabilityParameters,
-    car: Car,
-    friction: float,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
+    p: CourseStabilityParameters, car: Car, friction: float, column: SteeringColumnState, u: float, yaw_rate: float
 ) -> float:
-    """M_z [N m] that brings the yaw rate to the one that the driver wants and the road allows."""
-    u = car.wheel_radius * (wheels.velocity.rear_left + wheels.velocity.rear_right) / 2.0
+    """M_z [N m] that brings the yaw rate to the one that the driver wants and the road allows, at a speed u [m/s]."""
     if abs(u) < p.slowest:
         return 0.0
     wish = column.road_wheel_angle
@@ -152,19 +134,14 @@ def yaw_moment(
     limit = p.grip_share * friction * GRAVITY / abs(u)
     wanted = min(max(u * wish / (car.wheelbase + p.understeer * u * u), -limit), limit)
     least, most = (min(wanted, 0.0), max(wanted, 0.0)) if p.against == OVERSTEER else (wanted, wanted)
-    error = min(max(imu.yaw_rate, least), most) - imu.yaw_rate
+    error = min(max(yaw_rate, least), most) - yaw_rate
     largest = car.steering_ratio * p.largest_hand_torque
     return min(max(p.yaw_gain * error, -largest), largest)
 
 
 @compilable
 def room_of(
-    p: CourseStabilityParameters,
-    car: Car,
-    friction: float,
-    share: float,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
+    p: CourseStabilityParameters, car: Car, friction: float, share: float, wheels: WheelStates, imu: InertialMeasurement
 ) -> Room:
     """Room beside a share of the drive torque [N m] for each wheel: what motors give and tyres hold along the wheel."""
     along = p.grip_share * friction * car.wheel_radius

@@ -8,15 +8,9 @@ from ev_control.estimation import slip_angle_observer
 from ev_control.estimation.plausible import is_plausible
 from ev_control.law import BrakeSplitParameters, split_brake
 from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
-from ev_core.law import ALL_WHEELS_DRIVEN, Car, Wheels, compilable, cos, entry, group, hypot, parameter, part, setting
-from ev_msgs_py.contract.signals import (
-    BodyVelocity,
-    DriverCommand,
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueRequest,
-)
+from ev_core.law import ALL_WHEELS_DRIVEN, BodyVelocity, Car, DriverCommand, Wheels, compilable, cos, entry, hypot, part
+from ev_core.parameters.declaration import group, parameter, setting
+from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState, WheelStates, WheelTorqueRequest
 
 FACTORS = ("given", "inertia", "equality")
 GIVEN, INERTIA, EQUALITY = range(len(FACTORS))
@@ -191,52 +185,35 @@ def axle_redistribution(
     """
     delta, torque, speed = column.road_wheel_angle, driver.drive_torque, wheels.velocity
     ahead = -1.0 if (speed[0] + speed[1]) + (speed[2] + speed[3]) < 0.0 else 1.0
-    if p.source == TRUTH:
-        angles = slip_angle_observer.axle_slip_angles(
-            car, body.longitudinal, body.lateral, body.yaw_rate, delta, p.observer.slowest
-        )
-        follow(p, s, abs(angles.front) - abs(angles.rear), ahead, wheels, imu)
-    elif is_plausible(column, wheels, imu):
-        angles = slip_angle_observer.observed_slip_angles(
-            p.observer, car, s.observer, period, driver, column, wheels, imu
-        )
-        follow(p, s, abs(angles.front) - abs(angles.rear), ahead, wheels, imu)
+    if p.source == TRUTH or is_plausible(column, wheels, imu):
+        if p.source == TRUTH:
+            angles = slip_angle_observer.axle_slip_angles(
+                car, body.longitudinal, body.lateral, body.yaw_rate, delta, p.observer.slowest
+            )
+        else:
+            angles = slip_angle_observer.observed_slip_angles(
+                p.observer, car, s.observer, period, driver, column, wheels, imu
+            )
+        # Branch, slower rear wheel and cos(phi) are held where they are not defined. In reverse speeding up is an
+        # acceleration to the back.
+        front_excess, right_excess = abs(angles.front) - abs(angles.rear), ahead * (speed.rear_right - speed.rear_left)
+        if abs(front_excess) > p.slip_angle_deadband:
+            s.front_slides = 1.0 if front_excess > 0.0 else 0.0
+        if abs(right_excess) > p.speed_deadband:
+            s.slower = 1.0 if right_excess > 0.0 else -1.0
+        s.acceleration = hypot(imu.longitudinal_acceleration, imu.lateral_acceleration)
+        if s.acceleration > p.acceleration_deadband:
+            s.cos_phi = ahead * imu.longitudinal_acceleration / s.acceleration
     h = 0.0
-    if not all_to_rear(p, s.cos_phi, ahead * torque < 0.0 or driver.brake_torque > 0.0):
+    # The rear axle gets all torque, h = 0, for phi = pi, j_y = 0, j_x <= 0 (below eq 5).
+    if p.braking == COMMAND:
+        all_to_rear = ahead * torque < 0.0 or driver.brake_torque > 0.0
+    else:
+        all_to_rear = s.cos_phi <= (0.0 if p.braking == DECELERATION else -cos(p.straight_angle))
+    if not all_to_rear:
         h = front_share(p, car, s.front_slides == 1.0, s.cos_phi, s.acceleration, ahead * torque / car.wheel_radius)
     inner = 1.0 if delta > 0.0 else -1.0
     q = rear_difference(car, delta, h) * (s.slower if p.rear_wheels == BY_SPEED else inner)
     front, rear = torque * h, torque * (1.0 - h)
     drive = Wheels(front / 2.0, front / 2.0, rear * (1.0 + q) / 2.0, rear * (1.0 - q) / 2.0)
     return WheelTorqueRequest(drive, split_brake(p.brake, driver))
-
-
-@compilable
-def all_to_rear(p: AxleRedistributionParameters, cos_phi: float, driver_brakes: bool) -> bool:
-    """Whether the rear axle gets all torque, h = 0: phi = pi, j_y = 0, j_x <= 0 (Zhileykin 2018, below eq 5)."""
-    if p.braking == COMMAND:
-        return driver_brakes
-    return cos_phi <= (0.0 if p.braking == DECELERATION else -cos(p.straight_angle))
-
-
-@compilable
-def follow(
-    p: AxleRedistributionParameters,
-    s: AxleRedistributionState,
-    front_excess: float,
-    ahead: float,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
-) -> None:
-    """Choose branch by |d1| - |d2| [rad], slower rear wheel and cos(phi) where they are defined; else hold them.
-
-    `ahead` is 1, and -1 in reverse, where speeding up is an acceleration to the back.
-    """
-    if abs(front_excess) > p.slip_angle_deadband:
-        s.front_slides = 1.0 if front_excess > 0.0 else 0.0
-    right_excess = ahead * (wheels.velocity.rear_right - wheels.velocity.rear_left)
-    if abs(right_excess) > p.speed_deadband:
-        s.slower = 1.0 if right_excess > 0.0 else -1.0
-    s.acceleration = hypot(imu.longitudinal_acceleration, imu.lateral_acceleration)
-    if s.acceleration > p.acceleration_deadband:
-        s.cos_phi = ahead * imu.longitudinal_acceleration / s.acceleration

@@ -1,13 +1,10 @@
 """Registers the electronic differentials."""
 
 from ev_control.electronic_differential import (  # noqa: F401
-    adaptive,
     course_stability,
     mechanical,
     neutral_steering,
-    slip_target,
+    rear_targets,
     steering_by_drives,
-    steering_correction,
     torque_shares,
-    wheel_speed,
 )

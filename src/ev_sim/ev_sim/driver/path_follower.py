@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ev_core.elementary import atan2, copysign
-from ev_core.law import Car, Vehicle, compilable, entry, group, parameter, part, speed_along_path
+from ev_core.law import Car, Vehicle, atan2, compilable, copysign, entry, group, parameter, part, speed_along_path
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_sim.driver import pedals
 from ev_sim.driver.path import Path, PathParameters, RoadEdgeState, edge_notes, nearest, path_of, point_at, watch_edge

@@ -6,22 +6,13 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
-from ev_core.law import BodyVelocity, DriverCommand, Instant, Vehicle, compilable, copysign, entry, method, part
-from ev_core.parameters.declaration import group, parameter, setting
+from ev_core.law import Vehicle, compilable, copysign, entry, group, method, parameter, part, setting
 from ev_core.vehicle.car import GRAVITY, Car, speed_along_path
-from ev_sim.profiles.profile import (
-    Profile,
-    SpeedProfileParameters,
-    check_points,
-    interpolation_parameter,
-    profile_of,
-    value_at,
-    wanted_speed,
-    with_speed_profile_from_file,
-)
+from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant
+from ev_sim.profiles import profile as profiles
 
 # The method of a driver who follows a speed profile, which may stand in a file.
-driver_method = partial(method, "driver", load_files=with_speed_profile_from_file, mirrored=True)
+driver_method = partial(method, "driver", load_files=profiles.with_speed_profile_from_file, mirrored=True)
 
 
 @compilable
@@ -133,18 +124,18 @@ class PedalProfileParameters:
     brake_torque: tuple[float, ...] = setting(
         (0.0,), unit="N m", low=0.0, high=1e6, about="brake torques at these times, of all wheels together"
     )
-    interpolation: str = interpolation_parameter("linear")
+    interpolation: str = profiles.interpolation_parameter("linear")
 
     def __post_init__(self) -> None:
-        check_points("time", self.time, "drive_torque", self.drive_torque)
-        check_points("time", self.time, "brake_torque", self.brake_torque)
+        profiles.check_points("time", self.time, "drive_torque", self.drive_torque)
+        profiles.check_points("time", self.time, "brake_torque", self.brake_torque)
 
 
 @dataclass(frozen=True, slots=True)
 class FeetParameters:
     """The speed to follow, how, and the pedals that may take its place."""
 
-    speed_profile: SpeedProfileParameters = group(SpeedProfileParameters)
+    speed_profile: profiles.SpeedProfileParameters = group(profiles.SpeedProfileParameters)
     speed_control: SpeedControlParameters = group(SpeedControlParameters)
     pedals: PedalProfileParameters = group(PedalProfileParameters)
 
@@ -161,18 +152,18 @@ class FeetState:
 class FeetProfiles(NamedTuple):
     """The speed to follow over time [m/s], and both pedals over the time since they took its place [N m]."""
 
-    speed: Profile
-    drive_torque: Profile
-    brake_torque: Profile
+    speed: profiles.Profile
+    drive_torque: profiles.Profile
+    brake_torque: profiles.Profile
 
 
 def feet_profiles(parameters: FeetParameters, vehicle: Vehicle, period: float) -> FeetProfiles:
     """The profiles of the parameters; ParameterError if the speed profile names a file that has not been read."""
     pedals = parameters.pedals
     return FeetProfiles(
-        wanted_speed(parameters.speed_profile),
-        profile_of(pedals.time, pedals.drive_torque, pedals.interpolation),
-        profile_of(pedals.time, pedals.brake_torque, pedals.interpolation),
+        profiles.wanted_speed(parameters.speed_profile),
+        profiles.profile_of(pedals.time, pedals.drive_torque, pedals.interpolation),
+        profiles.profile_of(pedals.time, pedals.brake_torque, pedals.interpolation),
     )
 
 
@@ -190,8 +181,8 @@ def work_pedals(
         s.begin = t
     if s.has_begun == 1.0:
         since = t - s.begin
-        return value_at(c.drive_torque, since), value_at(c.brake_torque, since)
-    wanted = min(max(value_at(c.speed, t), -fastest), fastest)
+        return profiles.value_at(c.drive_torque, since), profiles.value_at(c.brake_torque, since)
+    wanted = min(max(profiles.value_at(c.speed, t), -fastest), fastest)
     return follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)
 
 

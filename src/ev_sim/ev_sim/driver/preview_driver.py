@@ -8,19 +8,11 @@ from typing import NamedTuple
 
 from ev_core.law import Car, Vehicle, atan2, compilable, entry, exp, group, part, speed_along_path
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
-from ev_sim.driver.path import Path, PathParameters, RoadEdgeState, edge_notes, nearest, path_of, point_at, watch_edge
+from ev_sim.driver import path as paths
 from ev_sim.driver.path_follower import LOOKING_ROUND, HandParameters
 from ev_sim.driver.pedals import FeetParameters, FeetProfiles, FeetState, driver_method, feet_profiles, work_pedals
 from ev_sim.driver.preview_gains import GAIN_SPEEDS, STATES, STEP, PreviewGains, PreviewParameters, preview_gains
 from ev_sim.driver.profile_driver import AngleControlState, turn_to_angle
-from ev_sim.driver.speed_plan import (
-    SpeedPlan,
-    SpeedPlanParameters,
-    SpeedPlanState,
-    plan_notes,
-    planned_speed,
-    speed_plan,
-)
 from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 from ev_sim.profiles.profile import number_until
 
@@ -75,12 +67,12 @@ def preview_of(p: PreviewParameters, vehicle: Vehicle, period: float) -> Preview
 
 @compilable
 def look_ahead(
-    p: PreviewParameters, c: Preview, path: Path, s: PreviewState, period: float, pose: BodyPose, body: BodyVelocity,
-    speed: float, wheels: float,
+    p: PreviewParameters, c: Preview, path: paths.Path, s: PreviewState, period: float, pose: BodyPose,
+    body: BodyVelocity, speed: float, wheels: float,
 ) -> float:  # fmt: skip
     """Road-wheel angle [rad] to which the arms turn, at a speed, negative in reverse [m/s]; that of `wheels` is felt.
 
-    rate = -K x + sum of g_i turn_i, x as in `gains.STATES` beside the chord from the nearest point of the path to the
+    rate = -K x + sum of g_i turn_i, x as in `STATES` beside the chord from the nearest point of the path to the
     first one ahead, turn_i by what the path turns at the i-th point. Of angles and sideslip only what the linear car
     would have counts: what is learnt besides does what an integral of the lateral error would do, without overshoot.
     """
@@ -93,11 +85,11 @@ def look_ahead(
         row += len(GAIN_SPEEDS)
     feedback, preview, points = c.gains.feedback, c.gains.preview, int(c.gains.points)
 
-    distance, leg = nearest(path, pose.x, pose.y, int(s.leg))
+    distance, leg = paths.nearest(path, pose.x, pose.y, int(s.leg))
     s.leg = float(leg)
     reach = s.direction * taken * STEP
-    here_x, here_y = point_at(path, distance, leg)
-    next_x, next_y = point_at(path, distance + reach, leg)
+    here_x, here_y = paths.point_at(path, distance, leg)
+    next_x, next_y = paths.point_at(path, distance + reach, leg)
     along_x, along_y = s.direction * (next_x - here_x), s.direction * (next_y - here_y)
     z, w = pose.orientation_z, pose.orientation_w
     cosine, sine = w * w - z * z, 2.0 * z * w  # of the heading, from its quaternion
@@ -116,7 +108,7 @@ def look_ahead(
     for n in range(_SIZE):
         rate -= (lower * feedback[(row - 1) * _SIZE + n] + upper * feedback[row * _SIZE + n]) * state[n]
     for n in range(points):
-        ahead_x, ahead_y = point_at(path, distance + (n + 2) * reach, leg)
+        ahead_x, ahead_y = paths.point_at(path, distance + (n + 2) * reach, leg)
         then_x, then_y = s.direction * (ahead_x - next_x), s.direction * (ahead_y - next_y)
         gain = lower * preview[(row - 1) * points + n] + upper * preview[row * points + n]
         rate += gain * _turn(along_x, along_y, then_x, then_y)
@@ -147,8 +139,8 @@ def _turn(from_x: float, from_y: float, to_x: float, to_y: float) -> float:
 class PreviewDriverParameters(FeetParameters):
     """The path, how fast the driver takes its bends, how he looks ahead, and hands and feet."""
 
-    path: PathParameters = group(PathParameters)
-    plan: SpeedPlanParameters = group(SpeedPlanParameters)
+    path: paths.PathParameters = group(paths.PathParameters)
+    plan: paths.SpeedPlanParameters = group(paths.SpeedPlanParameters)
     preview: PreviewParameters = group(PreviewParameters)
     hands: HandParameters = group(HandParameters)
 
@@ -158,35 +150,35 @@ class PreviewDriverState:
     """What feet, eyes and hands remember."""
 
     feet: FeetState = part(FeetState)
-    plan: SpeedPlanState = part(SpeedPlanState)
+    plan: paths.SpeedPlanState = part(paths.SpeedPlanState)
     preview: PreviewState = part(PreviewState)
     hands: AngleControlState = part(AngleControlState)
-    edge: RoadEdgeState = part(RoadEdgeState)
+    edge: paths.RoadEdgeState = part(paths.RoadEdgeState)
 
 
 class PreviewedPath(NamedTuple):
     """What the feet follow, the path, how fast it may be driven, and what the driver knows of his car."""
 
     feet: FeetProfiles
-    path: Path
-    plan: SpeedPlan
+    path: paths.Path
+    plan: paths.SpeedPlan
     preview: Preview
 
 
 def previewed_path(parameters: PreviewDriverParameters, vehicle: Vehicle, period: float) -> PreviewedPath:
     """The course that the parameters describe; ParameterError if they name a profile file that has not been read."""
-    path = path_of(parameters.path)
+    path = paths.path_of(parameters.path)
     return PreviewedPath(
         feet_profiles(parameters, vehicle, period),
         path,
-        speed_plan(parameters.plan, path),
+        paths.speed_plan(parameters.plan, path),
         preview_of(parameters.preview, vehicle, period),
     )
 
 
 def notes(p: PreviewDriverParameters, s: PreviewDriverState) -> tuple[str, ...]:
     """Whether the car was too fast for the plan, and whether it has left its road."""
-    return (*plan_notes(s.plan), *edge_notes(s.edge, p.path.width))
+    return (*paths.plan_notes(s.plan), *paths.edge_notes(s.edge, p.path.width))
 
 
 @driver_method("preview", PreviewDriverParameters, state=PreviewDriverState, prepare=previewed_path, notes=notes)
@@ -209,9 +201,9 @@ def preview(
     wheels = column.angle / car.steering_ratio
     angle = look_ahead(p.preview, c.preview, c.path, s.preview, period, pose, body, speed, wheels)
     leg = int(s.preview.leg)
-    fastest = planned_speed(p.plan, c.plan, c.path, s.plan, now.time, pose.x, pose.y, leg, speed)
+    fastest = paths.planned_speed(p.plan, c.plan, c.path, s.plan, now.time, pose.x, pose.y, leg, speed)
     drive, brake = work_pedals(p, car, c.feet, s.feet, period, now.time, speed, fastest)
-    watch_edge(c.path, p.path.width, s.edge, now.time, pose, leg)
+    paths.watch_edge(c.path, p.path.width, s.edge, now.time, pose, leg)
     return DriverCommand(
         drive, brake, turn_to_angle(p.hands.angle_control, s.hands, period, car.steering_ratio * angle, column)
     )

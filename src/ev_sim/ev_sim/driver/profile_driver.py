@@ -8,15 +8,7 @@ from typing import NamedTuple
 from ev_core.law import Car, Vehicle, compilable, entry, group, parameter, part, setting, speed_along_path
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, driver_method, follow_speed, limited_pid
-from ev_sim.profiles.profile import (
-    Profile,
-    SpeedProfileParameters,
-    check_points,
-    interpolation_parameter,
-    profile_of,
-    value_at,
-    wanted_speed,
-)
+from ev_sim.profiles import profile as profiles
 
 WAYS = ("hand_torque", "angle")
 HAND_TORQUE, ANGLE = range(len(WAYS))
@@ -30,10 +22,10 @@ class HandTorqueParameters:
     torque: tuple[float, ...] = setting(
         (0.0,), unit="N m", low=-100.0, high=100.0, about="hand torques at these times; the last holds", lateral=True
     )
-    interpolation: str = interpolation_parameter("step")
+    interpolation: str = profiles.interpolation_parameter("step")
 
     def __post_init__(self) -> None:
-        check_points("time", self.time, "torque", self.torque)
+        profiles.check_points("time", self.time, "torque", self.torque)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,10 +36,10 @@ class WantedAngleParameters:
     angle: tuple[float, ...] = setting(
         (0.0,), unit="rad", low=-1.5, high=1.5, about="road-wheel angles at these times; the last holds", lateral=True
     )
-    interpolation: str = interpolation_parameter("step")
+    interpolation: str = profiles.interpolation_parameter("step")
 
     def __post_init__(self) -> None:
-        check_points("time", self.time, "angle", self.angle)
+        profiles.check_points("time", self.time, "angle", self.angle)
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +98,7 @@ def turn_to_angle(
 class SpeedProfileDriverParameters:
     """What the driver wants, and how feet and hands go about it."""
 
-    speed_profile: SpeedProfileParameters = group(SpeedProfileParameters)
+    speed_profile: profiles.SpeedProfileParameters = group(profiles.SpeedProfileParameters)
     speed_control: SpeedControlParameters = group(SpeedControlParameters)
     steering: SteeringParameters = group(SteeringParameters)
 
@@ -122,18 +114,18 @@ class SpeedProfileDriverState:
 class Profiles(NamedTuple):
     """What is wanted over time: speed [m/s], hand torque [N m] or road-wheel angle [rad]."""
 
-    speed: Profile
-    hand_torque: Profile
-    angle: Profile
+    speed: profiles.Profile
+    hand_torque: profiles.Profile
+    angle: profiles.Profile
 
 
 def profiles_of(parameters: SpeedProfileDriverParameters, vehicle: Vehicle, period: float) -> Profiles:
     """The profiles of the parameters; ParameterError if they name a profile file that has not been read."""
     torque, angle = parameters.steering.hand_torque, parameters.steering.wanted_angle
     return Profiles(
-        wanted_speed(parameters.speed_profile),
-        profile_of(torque.time, torque.torque, torque.interpolation),
-        profile_of(angle.time, angle.angle, angle.interpolation),
+        profiles.wanted_speed(parameters.speed_profile),
+        profiles.profile_of(torque.time, torque.torque, torque.interpolation),
+        profiles.profile_of(angle.time, angle.angle, angle.interpolation),
     )
 
 
@@ -150,9 +142,9 @@ def speed_profile(
     column: SteeringColumnState,
 ) -> DriverCommand:
     """Follow a speed profile, and steer by a hand torque profile or to a road-wheel angle profile."""
-    t, wanted = now.time, value_at(c.speed, now.time)
+    t, wanted = now.time, profiles.value_at(c.speed, now.time)
     drive, brake = follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed_along_path(body))
     if p.steering.mode == HAND_TORQUE:
-        return DriverCommand(drive, brake, value_at(c.hand_torque, t))
-    angle = car.steering_ratio * value_at(c.angle, t)
+        return DriverCommand(drive, brake, profiles.value_at(c.hand_torque, t))
+    angle = car.steering_ratio * profiles.value_at(c.angle, t)
     return DriverCommand(drive, brake, turn_to_angle(p.steering.angle_control, s.hands, period, angle, column))

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from ev_core.law import GRAVITY, Car, Need, Vehicle, any_driven, compilable, entry, part, speed_along_path
+from ev_core.law import Need, Vehicle, any_driven, compilable, entry, group, parameter, part
 from ev_core.methods.law import named_after
-from ev_core.parameters.declaration import group, parameter
+from ev_core.vehicle.car import GRAVITY, Car, speed_along_path
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
 from ev_sim.driver.path import Path, path_of
 from ev_sim.driver.path_follower import LaneKeepingParameters, LaneKeepingState, keep_lane, road_notes
@@ -169,10 +169,16 @@ def tracking(
 
 
 @dataclass(frozen=True, slots=True)
-class PulseParameters(CycleDriverParameters):
-    """The cycle, the power, and when the foot goes down and up."""
+class ImposedSpeedParameters(CycleDriverParameters):
+    """The cycle and the power."""
 
     level: PowerLevelParameters = group(PowerLevelParameters)
+
+
+@dataclass(frozen=True, slots=True)
+class PulseParameters(ImposedSpeedParameters):
+    """The same, and when the foot goes down and up."""
+
     band: float = parameter(
         0.3, unit="m/s", low=0.0, high=10.0, about="the foot goes down this far below the cycle, up this far above it"
     )
@@ -192,13 +198,6 @@ def pulse(
     elif speed >= wanted + p.band:
         s.pressed = 0.0
     return torque_of_power(p.level, car, speed, wheels) if s.pressed == 1.0 else 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class ImposedSpeedParameters(CycleDriverParameters):
-    """The cycle and the power."""
-
-    level: PowerLevelParameters = group(PowerLevelParameters)
 
 
 # A free car would run away from a foot that does not know its speed.

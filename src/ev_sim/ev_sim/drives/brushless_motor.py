@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from math import tau
+from typing import Any
 
 from ev_core.law import ParameterError, compilable, entry, group, parameter, setting
 
@@ -145,12 +146,6 @@ def torque_constant(motor: MotorParameters) -> float:
     return 2.0 * motor.pole_pairs * motor.flux_linkage
 
 
-@compilable
-def limited_reference(motor: MotorParameters, torque_reference: float) -> float:
-    """The torque reference at the shaft within the torque limit [N m]."""
-    return min(max(torque_reference, -motor.torque_limit), motor.torque_limit)
-
-
 @dataclass(frozen=True, slots=True)
 class CurrentControllerParameters:
     """Current controller; Shchur (2019) gives none, so its structure and its parameters are assumptions."""
@@ -208,23 +203,17 @@ class AveragedDriveParameters:
 
 @compilable
 def advance_averaged(
-    s: DriveState,
-    motor: MotorParameters,
-    averaged: AveragedDriveParameters,
-    torque_reference: float,
-    speed: float,
-    bus_voltage: float,
-    duration: float,
+    s: DriveState, p: Any, torque_reference: float, speed: float, bus_voltage: float, duration: float
 ) -> None:
     """Advance the current under its control and set the outputs of the state; see `drive.advance_drive`.
 
     Implicit midpoint rule: electrical energy = copper loss + mechanical work + change of magnetic energy up to
     rounding.
     """
-    constant = torque_constant(motor)
+    motor, constant = p.motor, torque_constant(p.motor)
     current_reference = torque_reference / constant
     emf = constant * speed
-    samples = max(1, math.ceil(duration / averaged.sampling_period - 1e-9))
+    samples = max(1, math.ceil(duration / p.averaged.sampling_period - 1e-9))
     period = duration / samples
     half_decay = period * motor.resistance / (2.0 * motor.inductance)
     current = s.current
@@ -232,7 +221,7 @@ def advance_averaged(
     energy = 0.0
     for _ in range(samples):
         voltage = controlled_voltage(
-            s, averaged.current_controller, motor, current_reference, current, speed, bus_voltage, period
+            s, p.averaged.current_controller, motor, current_reference, current, speed, bus_voltage, period
         )
         drive = period * (voltage - emf) / (2.0 * motor.inductance)
         next_current = (current * (1.0 - half_decay) + drive) / (1.0 + half_decay)

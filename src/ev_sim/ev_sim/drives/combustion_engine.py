@@ -109,7 +109,16 @@ def advance_engine(
         s.refused = 1.0
     s.torque += h / (e.torque_lag + h) * (min(target, most) - s.torque)
     gain = ratio * (e.gearbox.efficiency if given * turbine >= 0.0 else 1.0 / e.gearbox.efficiency)
-    moved = _converter_change(s, e, ratio, gain, taken, given, shaft, yielding, h)
+    # Geared low, or large, a converter is stiffer than any step suits: its torques are then those at the speeds that
+    # they lead to, by one linearly implicit step. The steepest slope for all of them, so that no kink is overshot,
+    # leaves it of first order and right in steady state. The load of the shaft is that of the last step. A converter
+    # that the step suits changes by as good as nothing.
+    slope = e.converter_size * STEEPEST * max(s.speed, ratio * shaft) * h
+    turning = (shaft - s.shaft) / h + yielding * (given * gain - s.output)
+    parting = (s.torque - taken) / e.inertia - ratio * turning
+    stiffness = slope * (1.0 / e.inertia + ratio * gain * yielding)
+    squared = stiffness * stiffness
+    moved = slope * parting / (1.0 + stiffness) * (squared / (1.0 + squared))
     taken, given = taken + moved, given + moved
     before = s.speed
     s.speed = max(before + h * (s.torque - taken) / e.inertia, 0.0)
@@ -119,33 +128,6 @@ def advance_engine(
     passed = given * e.gearbox.efficiency if given * turbine >= 0.0 else given / e.gearbox.efficiency
     s.shaft, s.output = shaft, passed * ratio
     return s.output
-
-
-@compilable
-def _converter_change(
-    s: EngineState,
-    e: Engine,
-    ratio: float,
-    gain: float,
-    taken: float,
-    given: float,
-    shaft: float,
-    yielding: float,
-    h: float,
-) -> float:
-    """What both torques of the converter [N m] change towards the end of a step of h [s], `gain` [1] behind the gear.
-
-    Geared low, or large, a converter is stiffer than any step suits: its torques are then those at the speeds that they
-    lead to, by one linearly implicit step. The steepest slope for all of them, so that no kink is overshot, leaves it
-    of first order and right in steady state. The load of the shaft is that of the last step. A converter that the step
-    suits changes by as good as nothing.
-    """
-    slope = e.converter_size * STEEPEST * max(s.speed, ratio * shaft) * h
-    turning = (shaft - s.shaft) / h + yielding * (given * gain - s.output)
-    parting = (s.torque - taken) / e.inertia - ratio * turning
-    stiffness = slope * (1.0 / e.inertia + ratio * gain * yielding)
-    squared = stiffness * stiffness
-    return slope * parting / (1.0 + stiffness) * (squared / (1.0 + squared))
 
 
 @compilable

@@ -40,11 +40,51 @@ from ev_sim.drives.brushless_motor import (
     controlled_voltage,
     crossing_shape,
     enter_sector,
-    limited_reference,
     time_to_edge,
     torque_constant,
     turned,
 )
+
+CURRENT_CONTROLS = ("hysteresis", "pwm")
+HYSTERESIS, PWM = range(len(CURRENT_CONTROLS))
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchedDriveParameters:
+    """Switched drive; all of it is assumed."""
+
+    current_control: str = setting("hysteresis", choices=CURRENT_CONTROLS, about="how the converter chops")
+    hysteresis_band: float = setting(
+        0.5, unit="A", low=0.01, high=100.0, about="hysteresis: half of the width that the current moves in"
+    )
+    pwm_frequency: float = setting(
+        20e3, unit="Hz", low=1e3, high=1e5, about="pwm: carrier frequency, rounded to whole periods in a sub-step"
+    )
+    current_controller: CurrentControllerParameters = group(CurrentControllerParameters)
+    micro_step: float = setting(
+        5e-6, unit="s", low=1e-7, high=1e-4, about="longest integration step; every switching instant also ends a step"
+    )
+
+    def __post_init__(self) -> None:
+        if self.current_controller.bandwidth > self.pwm_frequency:
+            raise ParameterError(
+                f"current_controller.bandwidth: {self.current_controller.bandwidth!r} is refused, allowed is at most "
+                f"pwm_frequency = {self.pwm_frequency:g} in rad/s, beyond which the sampled loop overshoots"
+            )
+
+
+DRIVES = ("ideal", "averaged", "switched")
+IDEAL, AVERAGED, SWITCHED = range(len(DRIVES))
+
+
+@dataclass(frozen=True, slots=True)
+class DriveParameters:
+    """Drive model with its motor; a plant's parameters inherit from it to have the same names."""
+
+    drive: str = setting("ideal", choices=DRIVES, about="depth of detail of the drives")
+    motor: MotorParameters = group(MotorParameters)
+    averaged: AveragedDriveParameters = group(AveragedDriveParameters)
+    switched: SwitchedDriveParameters = group(SwitchedDriveParameters)
 
 
 @compilable
@@ -60,14 +100,7 @@ def pair_current(high_current: float, off_current: float) -> float:
 
 @compilable
 def conduct(
-    s: DriveState,
-    motor: MotorParameters,
-    micro_step: float,
-    sign: float,
-    limit: float,
-    speed: float,
-    bus_voltage: float,
-    duration: float,
+    s: DriveState, p: DriveParameters, sign: float, limit: float, speed: float, bus_voltage: float, duration: float
 ) -> tuple[float, float, float]:
     """Let the circuit run with high on the upper rail (sign 1) or on the lower (sign -1) until the current limit.
 
@@ -75,7 +108,7 @@ def conduct(
     from the bus [J]. A step ends early where the rotor enters the next sector, where a freewheeling current reaches
     zero, and where the current reaches the limit.
     """
-    electrical_speed = motor.pole_pairs * speed
+    motor, electrical_speed = p.motor, p.motor.pole_pairs * speed
     emf = motor.flux_linkage * electrical_speed
     high_voltage = bus_voltage if sign > 0.0 else 0.0
     low_voltage = bus_voltage - high_voltage
@@ -90,7 +123,7 @@ def conduct(
             break
 
         to_edge = time_to_edge(s.sector_angle, electrical_speed)
-        step = min(remaining, micro_step, to_edge)
+        step = min(remaining, p.switched.micro_step, to_edge)
         middle = s.sector_angle + electrical_speed * step / 2.0
         crossing = crossing_shape(s.sector, middle)
         off_conducts, off_voltage = _off_phase(off, emf * crossing, bus_voltage)
@@ -157,58 +190,22 @@ def _after(current: float, drive: float, motor: MotorParameters, step: float) ->
     return (current * (1.0 - half_decay) + step * drive / motor.inductance) / (1.0 + half_decay)
 
 
-CURRENT_CONTROLS = ("hysteresis", "pwm")
-HYSTERESIS, PWM = range(len(CURRENT_CONTROLS))
-
-
-@dataclass(frozen=True, slots=True)
-class SwitchedDriveParameters:
-    """Switched drive; all of it is assumed."""
-
-    current_control: str = setting("hysteresis", choices=CURRENT_CONTROLS, about="how the converter chops")
-    hysteresis_band: float = setting(
-        0.5, unit="A", low=0.01, high=100.0, about="hysteresis: half of the width that the current moves in"
-    )
-    pwm_frequency: float = setting(
-        20e3, unit="Hz", low=1e3, high=1e5, about="pwm: carrier frequency, rounded to whole periods in a sub-step"
-    )
-    current_controller: CurrentControllerParameters = group(CurrentControllerParameters)
-    micro_step: float = setting(
-        5e-6, unit="s", low=1e-7, high=1e-4, about="longest integration step; every switching instant also ends a step"
-    )
-
-    def __post_init__(self) -> None:
-        if self.current_controller.bandwidth > self.pwm_frequency:
-            raise ParameterError(
-                f"current_controller.bandwidth: {self.current_controller.bandwidth!r} is refused, allowed is at most "
-                f"pwm_frequency = {self.pwm_frequency:g} in rad/s, beyond which the sampled loop overshoots"
-            )
-
-
 @compilable
 def advance_switched(
-    s: DriveState,
-    motor: MotorParameters,
-    switched: SwitchedDriveParameters,
-    torque_reference: float,
-    speed: float,
-    bus_voltage: float,
-    duration: float,
+    s: DriveState, p: DriveParameters, torque_reference: float, speed: float, bus_voltage: float, duration: float
 ) -> None:
     """Advance the circuit under its current control and set the outputs of the state; see `drive.advance_drive`.
 
     Implicit midpoint rule: electrical energy = copper loss + mechanical work + change of magnetic energy up to
     rounding.
     """
-    reference = torque_reference / torque_constant(motor)
+    motor, switched, reference = p.motor, p.switched, torque_reference / torque_constant(p.motor)
     impulse = energy = 0.0
     if switched.current_control == HYSTERESIS:  # the rails are exchanged whenever the current leaves its band
         remaining = duration
         while remaining > 0.0:
             limit = reference + s.voltage_sign * switched.hysteresis_band
-            elapsed, more_impulse, more_energy = conduct(
-                s, motor, switched.micro_step, s.voltage_sign, limit, speed, bus_voltage, remaining
-            )
+            elapsed, more_impulse, more_energy = conduct(s, p, s.voltage_sign, limit, speed, bus_voltage, remaining)
             impulse += more_impulse
             energy += more_energy
             remaining -= elapsed
@@ -225,9 +222,7 @@ def advance_switched(
             positive = period * (1.0 + voltage / bus_voltage) / 2.0
             negative = (period - positive) / 2.0
             for sign, span in ((-1.0, negative), (1.0, positive), (-1.0, negative)):
-                _, more_impulse, more_energy = conduct(
-                    s, motor, switched.micro_step, sign, sign * math.inf, speed, bus_voltage, span
-                )
+                _, more_impulse, more_energy = conduct(s, p, sign, sign * math.inf, speed, bus_voltage, span)
                 impulse += more_impulse
                 energy += more_energy
     s.current = pair_current(s.high_current, s.off_current)
@@ -235,32 +230,6 @@ def advance_switched(
     s.torque = phase_torque(motor, crossing, s.high_current, s.off_current)
     s.mean_torque = impulse / duration
     s.electrical_power = energy / duration
-
-
-@compilable
-def advance_ideal(s: DriveState, motor: MotorParameters, torque_reference: float, speed: float) -> None:
-    """Set the outputs of the state to the reference [N m] at a shaft speed [rad/s]; see `drive.advance_drive`.
-
-    The current is the one that the torque needs; the bus voltage limits nothing.
-    """
-    s.torque = torque_reference
-    s.mean_torque = torque_reference
-    s.current = torque_reference / torque_constant(motor)
-    s.electrical_power = torque_reference * speed
-
-
-DRIVES = ("ideal", "averaged", "switched")
-IDEAL, AVERAGED, SWITCHED = range(len(DRIVES))
-
-
-@dataclass(frozen=True, slots=True)
-class DriveParameters:
-    """Drive model with its motor; a plant's parameters inherit from it to have the same names."""
-
-    drive: str = setting("ideal", choices=DRIVES, about="depth of detail of the drives")
-    motor: MotorParameters = group(MotorParameters)
-    averaged: AveragedDriveParameters = group(AveragedDriveParameters)
-    switched: SwitchedDriveParameters = group(SwitchedDriveParameters)
 
 
 @compilable
@@ -272,10 +241,13 @@ def advance_drive(
     The reference [N m] is positive forwards and is limited to the motor's torque limit; `bus_voltage` is above zero
     [V].
     """
-    reference = limited_reference(p.motor, torque_reference)
-    if p.drive == IDEAL:
-        advance_ideal(s, p.motor, reference, speed)
+    most = p.motor.torque_limit
+    reference = min(max(torque_reference, -most), most)
+    if p.drive == IDEAL:  # the current is the one that the torque needs; the bus voltage limits nothing
+        s.torque = s.mean_torque = reference
+        s.current = reference / torque_constant(p.motor)
+        s.electrical_power = reference * speed
     elif p.drive == AVERAGED:
-        advance_averaged(s, p.motor, p.averaged, reference, speed, bus_voltage, duration)
+        advance_averaged(s, p, reference, speed, bus_voltage, duration)
     else:
-        advance_switched(s, p.motor, p.switched, reference, speed, bus_voltage, duration)
+        advance_switched(s, p, reference, speed, bus_voltage, duration)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from ev_core.law import compilable, inlined, parameter, sqrt
 from ev_core.vehicle.motor import Motor, Winding, driving_torque, generating_torque
 
-_SQRT_2 = 1.4142135623730951
+SQRT_2 = 1.4142135623730951
 _SQRT_3 = 1.7320508075688772
 _STANDSTILL = 1e-9  # rad/s
 
@@ -25,12 +25,6 @@ _STANDSTILL = 1e-9  # rad/s
 def torque_per_current(winding: Winding) -> float:
     """3/2 p psi: torque over the amplitude of i_q [N m/A]."""
     return 1.5 * winding.pole_pairs * winding.flux_linkage
-
-
-@inlined
-def current_limited_torque(winding: Winding) -> float:
-    """Torque of the largest current [N m], without field weakening."""
-    return torque_per_current(winding) * (_SQRT_2 * winding.largest_current)
 
 
 @inlined
@@ -46,7 +40,7 @@ def voltage_limited_torque(winding: Winding, voltage: float, speed: float) -> fl
     Up to w_e = U/sqrt(psi^2 + (L I)^2) that of the largest current; then where the circles of current and voltage
     cross, i_d = ((U/w_e)^2 - psi^2 - (L I)^2)/(2 psi L); from i_d = -psi/L on the top of the circle of voltage.
     """
-    flux, inductance, most = winding.flux_linkage, winding.inductance, _SQRT_2 * winding.largest_current
+    flux, inductance, most = winding.flux_linkage, winding.inductance, SQRT_2 * winding.largest_current
     reach = _reach(winding, voltage, speed)
     crossing = (reach * reach - flux * flux - inductance * most * inductance * most) / (2.0 * flux * inductance)
     direct = min(max(crossing, -flux / inductance), 0.0)
@@ -59,7 +53,7 @@ def voltage_limited_torque(winding: Winding, voltage: float, speed: float) -> fl
 @inlined
 def is_weakened(winding: Winding, voltage: float, speed: float) -> bool:
     """Whether a DC-link voltage [V] leaves less torque at a shaft speed [rad/s] than the largest current gives."""
-    most, held = _SQRT_2 * winding.largest_current * winding.inductance, winding.voltage_share * voltage
+    most, held = SQRT_2 * winding.largest_current * winding.inductance, winding.voltage_share * voltage
     turns = winding.pole_pairs * speed
     return 3.0 * turns * turns * (winding.flux_linkage * winding.flux_linkage + most * most) > held * held
 
@@ -71,7 +65,7 @@ def weakening_current(winding: Winding, torque: float, voltage: float, speed: fl
     across = inductance * torque / torque_per_current(winding)
     reach = _reach(winding, voltage, speed)
     direct = (sqrt(max(reach * reach - across * across, 0.0)) - flux) / inductance
-    return min(max(direct, -_SQRT_2 * winding.largest_current), 0.0)
+    return min(max(direct, -SQRT_2 * winding.largest_current), 0.0)
 
 
 @inlined
@@ -79,12 +73,6 @@ def weakening_loss(motor: Motor, torque: float, voltage: float, speed: float) ->
     """Copper loss [W] of i_d, on top of `copper_loss` T^2; convex in the torque [N m]."""
     current = torque_per_current(motor.winding) * weakening_current(motor.winding, torque, voltage, speed)
     return motor.copper_loss * current * current
-
-
-@inlined
-def induced_voltage(winding: Winding, speed: float) -> float:
-    """Voltage of a phase [V], rms, that the magnets alone induce at a shaft speed [rad/s]."""
-    return winding.pole_pairs * abs(speed) * winding.flux_linkage / _SQRT_2
 
 
 @inlined

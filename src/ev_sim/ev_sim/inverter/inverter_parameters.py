@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from ev_core.bus.parameters import BusParameters
 from ev_core.law import ParameterError, group, parameter, setting
+from ev_core.parameters.declaration import entries
 from ev_core.vehicle.motor import ThermalParameters, Winding
 from ev_sim.inverter.device import INJECTIONS
 
@@ -45,6 +47,12 @@ class Machine:
     winding: Winding = group(Winding)
 
 
+def _as_in(of: type, name: str, **changed: Any) -> Any:
+    """Declare a parameter as that of this name of another dataclass, but for its default or what is known of it."""
+    (known,) = (each for each in entries(of) if each.name == name)
+    return parameter(**{"default": known.default, **asdict(known.spec), **changed})
+
+
 _LOST = "data of the 1PV5138-4WS24 are lost in the source: assumed to hold the machine under test up to 10000 rpm"
 
 
@@ -52,21 +60,13 @@ _LOST = "data of the 1PV5138-4WS24 are lost in the source: assumed to hold the m
 class LoadMachine(Machine):
     """The load machine, an asynchronous one; its limits by voltage are taken for those of a synchronous one."""
 
-    peak_torque: float = parameter(400.0, unit="N m", low=0.0, high=1000.0, about="at the shaft", source=_LOST)
-    nominal_torque: float = parameter(
-        250.0, unit="N m", low=1e-3, high=1000.0, about="at the shaft; temperatures decide for how long", source=_LOST
-    )
-    peak_power: float = parameter(150e3, unit="W", low=1.0, high=1e7, about="mechanical", source=_LOST)
-    maximum_speed: float = parameter(
-        1047.0, unit="rad/s", low=1.0, high=1047.2, about="of the shaft; no drive torque beyond", source=_LOST
-    )
-    generator_torque: float = parameter(
-        400.0, unit="N m", low=0.0, high=1000.0, about="largest torque against the speed", source=_LOST
-    )
-    torque_lag: float = parameter(
-        0.001, unit="s", low=1e-4, high=10.0, about="time constant of the torque control", source=_LOST
-    )
-    rotor_inertia: float = parameter(0.1, unit="kg m^2", low=1e-4, high=100.0, about="of the rotor", source=_LOST)
+    peak_torque: float = _as_in(Machine, "peak_torque", default=400.0, source=_LOST)
+    nominal_torque: float = _as_in(Machine, "nominal_torque", source=_LOST)
+    peak_power: float = _as_in(Machine, "peak_power", source=_LOST)
+    maximum_speed: float = _as_in(Machine, "maximum_speed", default=1047.0, source=_LOST)
+    generator_torque: float = _as_in(Machine, "generator_torque", default=400.0, source=_LOST)
+    torque_lag: float = _as_in(Machine, "torque_lag", default=0.001, source=_LOST)
+    rotor_inertia: float = _as_in(Machine, "rotor_inertia", default=0.1, source=_LOST)
     winding: Winding = group(Winding, inductance=5e-5, largest_current=505.0)
 
 
@@ -105,20 +105,10 @@ class DcLinkParameters:
 class LoadDcLinkParameters(DcLinkParameters):
     """The same of a load machine's inverter, which the source feeds from the mains and says nothing else of."""
 
-    supply_voltage: float = parameter(
-        329.6,
-        unit="V",
-        low=10.0,
-        high=1000.0,
-        about="of the supply",
-        source="assumption: as for the other inverters",
-    )
-    precharge_resistance: float = parameter(
-        600.0,
-        unit="ohm",
-        low=1.0,
-        high=1e4,
-        about="pre-charge resistor",
+    supply_voltage: float = _as_in(DcLinkParameters, "supply_voltage", source="assumption: as for the other inverters")
+    precharge_resistance: float = _as_in(
+        DcLinkParameters,
+        "precharge_resistance",
         source="assumption: as in the other inverters, PM150, of which alone the source prints it",
     )
 
@@ -150,7 +140,7 @@ class LoadInverter(InverterParameters):
 
     machine: LoadMachine = group(LoadMachine)
     dc_link: LoadDcLinkParameters = group(LoadDcLinkParameters)
-    offers_speed_mode: bool = setting(True, about="whether its speed can be controlled, not only its torque")
+    offers_speed_mode: bool = _as_in(InverterParameters, "offers_speed_mode", default=True)
 
 
 @dataclass(frozen=True, slots=True)

@@ -96,13 +96,6 @@ def derating(p: ThermalParameters, s: Inverter) -> float:
     return derating_share(p, winding, inverter)
 
 
-@compilable
-def temperature_faults(p: ThermalParameters, s: Inverter) -> int:
-    """The bits of what is too hot."""
-    bits = frames.WINDING_TEMPERATURE if winding_temperature(p, s) > p.winding_limit else 0
-    return bits | (frames.INVERTER_TEMPERATURE if inverter_temperature(p, s) > p.inverter_limit else 0)
-
-
 _COLD = 0.0  # heat of `limited_torque`: derating is by our own temperatures
 _HALF_STEP = 1.0 / 64.0  # N m
 
@@ -127,7 +120,8 @@ def largest_torque(p: InverterParameters, s: Inverter, speed: float) -> float:
     winding, voltage = p.machine.winding, s.dc_link.voltage
     if synchronous_motor.is_weakened(winding, voltage, speed):
         return min(most, synchronous_motor.voltage_limited_torque(winding, voltage, speed))
-    return min(most, synchronous_motor.current_limited_torque(winding))
+    current = synchronous_motor.SQRT_2 * winding.largest_current
+    return min(most, synchronous_motor.torque_per_current(winding) * current)
 
 
 @compilable
@@ -155,7 +149,11 @@ def _asked(p: InverterParameters, s: Inverter, speed: float, period: float, most
     """The torque [N m] that the set-point asks for, forwards positive."""
     sense = -1.0 if s.direction != 0.0 else 1.0
     if int(s.command.mode) == frames.TORQUE_MODE:
-        return _below_speed_limit(p, sense * s.command.torque, speed, abs(s.command.speed))
+        asked, room = sense * s.command.torque, abs(s.command.speed) - abs(speed)
+        if asked * speed < 0.0:
+            return asked
+        # No torque that would drive the shaft beyond its speed limit.
+        return asked * min(max(room / (SPEED_FADE * p.machine.maximum_speed), 0.0), 1.0)
     if int(s.command.mode) == frames.SPEED_MODE and p.offers_speed_mode != 0.0:
         error, before = sense * s.command.speed - speed, s.speed_integral
         asked, s.speed_integral = synchronous_motor.speed_control(
@@ -166,21 +164,14 @@ def _asked(p: InverterParameters, s: Inverter, speed: float, period: float, most
 
 
 @compilable
-def _below_speed_limit(p: InverterParameters, asked: float, speed: float, limit: float) -> float:
-    """Without torque [N m] that would drive the shaft beyond the speed limit [rad/s]."""
-    if asked * speed < 0.0:
-        return asked
-    return asked * min(max((limit - abs(speed)) / (SPEED_FADE * p.machine.maximum_speed), 0.0), 1.0)
-
-
-@compilable
 def advance_electrical(p: InverterParameters, s: Inverter, speed: float) -> None:
     """Currents, voltage and loss of this torque; a power stage that is off takes nothing and sees the magnets alone.
 
     Once in a cycle is enough, at its end: sensors, faults and the heat of field weakening ask for them no oftener.
     """
     s.phase_current = s.dc_current = s.weakening_loss = 0.0
-    s.phase_voltage = synchronous_motor.induced_voltage(p.machine.winding, speed)
+    winding = p.machine.winding
+    s.phase_voltage = winding.pole_pairs * abs(speed) * winding.flux_linkage / synchronous_motor.SQRT_2
     if int(s.state) in (OPERATION_ENABLED, QUICK_STOP_ACTIVE) and s.dc_link.voltage > 1.0:
         s.phase_current, s.phase_voltage = synchronous_motor.phase_values(p.machine, s.torque, s.dc_link.voltage, speed)
         s.weakening_loss = synchronous_motor.weakening_loss(p.machine, s.torque, s.dc_link.voltage, speed)

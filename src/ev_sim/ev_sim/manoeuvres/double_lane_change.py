@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
@@ -16,25 +18,19 @@ from ev_sim.measures.samples import Runs, channel
 from ev_sim.recording.recording import Recording
 
 
-def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
-    """Those of the double lane change."""
-    return metrics_on(DOUBLE_LANE_CHANGE, runs, vehicle)
-
-
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
-    """Those of the double lane change."""
-    return figures_on(DOUBLE_LANE_CHANGE, runs, vehicle)
-
-
 def metrics_on(course: Course, runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     """Cones hit, speed at the entry and largest values between the first and the last cone, for each run."""
 
     def of(run: Recording) -> dict[str, Metric]:
+        def hit() -> int:
+            _on_course(course, run, vehicle)  # who leaves the course early spares its cones
+            return np.count_nonzero(hit_cones(run, vehicle, course))
+
         def largest(values) -> float:
             return np.abs(values(run)[_on_course(course, run, vehicle)]).max()
 
         return {
-            "cones_hit": metric(lambda: _cones_hit(course, run, vehicle), "1"),
+            "cones_hit": metric(hit, "1"),
             "entry_speed": metric(lambda: motion.path_speed(run)[_on_course(course, run, vehicle)][0], "m/s"),
             "exit_speed": metric(lambda: motion.path_speed(run)[_on_course(course, run, vehicle)][-1], "m/s"),
             "peak_lateral_acceleration": metric(lambda: largest(motion.lateral_acceleration_on_path), "m/s^2"),
@@ -62,11 +58,6 @@ def figures_on(course: Course, runs: Runs, vehicle: Vehicle) -> dict[str, Figure
     }
 
 
-def _cones_hit(course: Course, run: Recording, vehicle: Vehicle) -> int:
-    _on_course(course, run, vehicle)  # who leaves the course early spares its cones
-    return np.count_nonzero(hit_cones(run, vehicle, course))
-
-
 def _on_course(course: Course, run: Recording, vehicle: Vehicle) -> np.ndarray:
     """Which samples lie between the first and the last cone, (n,) bool; NotMeasured if the last one is not reached."""
     x = channel(run, "pose.x")
@@ -74,3 +65,6 @@ def _on_course(course: Course, run: Recording, vehicle: Vehicle) -> np.ndarray:
     first, last = through[0].start, through[-1].end
     end = motion.first(x >= last, "the end of the course")
     return (x >= first) & (np.arange(len(x)) <= end)
+
+
+metrics, figures = partial(metrics_on, DOUBLE_LANE_CHANGE), partial(figures_on, DOUBLE_LANE_CHANGE)

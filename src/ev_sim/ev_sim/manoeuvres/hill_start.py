@@ -19,17 +19,29 @@ PULL_AWAY = 1.0  # [m], the pull-away is timed over it
 
 def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     """Movement while the brake holds, roll-back, slip and time for the first metre, for each run."""
-    return motion.of_each_run(
-        runs,
-        lambda run: {
+
+    def of(run: Recording) -> dict[str, Metric]:
+        def moved() -> float:
+            x, y = channel(run, "pose.x"), channel(run, "pose.y")
+            return np.hypot(x - x[0], y - y[0])[: _release(run) + 1].max()
+
+        def first_metre() -> float:
+            start = run.time[_release(run)]
+            return motion.crossing_time(run.time, _uphill(run), PULL_AWAY, "the first metre") - float(start)
+
+        def sign_changes() -> float:
+            return float(np.count_nonzero(np.diff(np.sign(_slips(run, vehicle)), axis=-1)))
+
+        return {
             "holding_time": metric(lambda: run.time[_release(run)] - run.time[0], "s"),
-            "movement_while_holding": metric(lambda: _movement(run), "m"),
+            "movement_while_holding": metric(moved, "m"),
             "roll_back": metric(lambda: max(0.0, float(-_uphill(run)[_release(run) :].min())), "m"),
-            "time_for_one_metre": metric(lambda: _first_metre(run), "s"),
+            "time_for_one_metre": metric(first_metre, "s"),
             "peak_slip": metric(lambda: np.abs(_slips(run, vehicle)).max(), "1"),
-            "slip_sign_changes": metric(lambda: _sign_changes(_slips(run, vehicle)), "1"),
-        },
-    )
+            "slip_sign_changes": metric(sign_changes, "1"),
+        }
+
+    return motion.of_each_run(runs, of)
 
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
@@ -71,12 +83,6 @@ def _release(run: Recording) -> int:
     return max(motion.first(np.diff(brake) < 0.0, "the release of the brake"), 0)
 
 
-def _released(run: Recording) -> int:
-    """Index of the first sample without brake torque after the release."""
-    start = _release(run)
-    return start + motion.first(channel(run, motion.BRAKE_TORQUE)[start:] == 0.0, "the end of braking")
-
-
 def _uphill(run: Recording) -> np.ndarray:
     """Distance from the start in the direction of the drive torque, (n,) [m]."""
     drive = channel(run, motion.DRIVE_TORQUE)
@@ -88,23 +94,9 @@ def _uphill(run: Recording) -> np.ndarray:
     return direction * ((x - x[0]) * np.cos(heading) + (y - y[0]) * np.sin(heading))
 
 
-def _movement(run: Recording) -> float:
-    x, y = channel(run, "pose.x"), channel(run, "pose.y")
-    return np.hypot(x - x[0], y - y[0])[: _release(run) + 1].max()
-
-
-def _first_metre(run: Recording) -> float:
-    start = _release(run)
-    return motion.crossing_time(run.time, _uphill(run), PULL_AWAY, "the first metre") - float(run.time[start])
-
-
 def _slips(run: Recording, vehicle: Vehicle) -> np.ndarray:
     """Slip ratios of the driven wheels from the pull-away on, (wheels, n) [1]."""
-    start = _released(run)
+    start = _release(run)
+    start += motion.first(channel(run, motion.BRAKE_TORQUE)[start:] == 0.0, "the end of braking")
     start += motion.first(np.abs(motion.path_speed(run)[start:]) > ROLLING_SPEED, "the pull-away")
     return np.array([channel(run, f"tire_forces.slip_ratio.{wheel}")[start:] for wheel in vehicle.driven_wheels])
-
-
-def _sign_changes(values: np.ndarray) -> float:
-    """How often the values along the last axis change their sign, all rows together."""
-    return float(np.count_nonzero(np.diff(np.sign(values), axis=-1)))

@@ -23,9 +23,13 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
         def by_then(values: np.ndarray) -> float:
             return np.abs(values[_launch(run)] - values[_launch(run)][0]).max()
 
+        def way() -> float:
+            distance = motion.distance_on_path(run)
+            return motion.value_at(run, distance, _reached(run)) - distance[_launch(run).start]
+
         return {
             "time_to_5_m_s": metric(lambda: _reached(run) - run.time[_launch(run).start], "s"),
-            "distance_to_5_m_s": metric(lambda: _distance(run), "m"),
+            "distance_to_5_m_s": metric(way, "m"),
             "peak_yaw_rate": metric(lambda: np.abs(channel(run, motion.YAW_RATE)[_launch(run)]).max(), "rad/s"),
             "peak_yaw_deviation": metric(lambda: by_then(motion.heading(run)), "rad"),
             "peak_lateral_deviation": metric(lambda: by_then(motion.way_aside(run, _launch(run).start)), "m"),
@@ -56,11 +60,6 @@ def _launch(run: Recording) -> slice:
 def _reached(run: Recording) -> float:
     """When the car has LAUNCH_SPEED, forwards or in reverse [s]."""
     return motion.crossing_time(run.time, motion.speed(run), LAUNCH_SPEED, f"{LAUNCH_SPEED:g} m/s")
-
-
-def _distance(run: Recording) -> float:
-    way = motion.distance_on_path(run)
-    return motion.value_at(run, way, _reached(run)) - way[_launch(run).start]
 
 
 def _slip(run: Recording, wheel: str) -> float:

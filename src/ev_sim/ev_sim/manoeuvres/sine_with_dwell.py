@@ -35,7 +35,7 @@ YAW_LIMITS = ((1.0, 35.0), (1.75, 20.0))  # [s] after the completion of steer, [
 
 def metrics(runs: Runs) -> dict[str, Metric]:
     """The angle A, and for each sine its amplitude over A, yaw rate ratios, lateral displacement and verdict."""
-    result = {"steering_wheel_angle_at_0_3_g": metric(lambda: _angle_at_reference(run_named(runs, SLOW_RUN)), "rad")}
+    result = {"steering_wheel_angle_at_0_3_g": metric(lambda: _reference_angle(runs), "rad")}
     for name, run in _sines(runs).items():
         result[f"{name}_amplitude"] = metric(
             lambda run=run: np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)).max(), "rad"
@@ -47,7 +47,9 @@ def metrics(runs: Runs) -> dict[str, Metric]:
                 lambda run=run, delay=delay: _yaw_rate_ratio(run, delay), "%"
             )
         result[f"{name}_lateral_displacement"] = metric(lambda run=run: _displacement(run, _beginning(run)), "m")
-        result[f"{name}_lateral_displacement_from_zero"] = metric(lambda run=run: _displacement(run, _zero(run)), "m")
+        result[f"{name}_lateral_displacement_from_zero"] = metric(
+            lambda run=run: _displacement(run, float(run.time[_steering(run)[0]])), "m"
+        )
         result[f"{name}_peak_sideslip_angle"] = metric(lambda run=run: np.abs(motion.sideslip_angle(run)).max(), "rad")
         result[f"{name}_passed"] = metric(lambda name=name: _passes(name, runs), "1")
     return result
@@ -94,14 +96,14 @@ def _sines(runs: Runs) -> dict[str, Recording]:
     return {name: run for name, run in runs.items() if name != SLOW_RUN}
 
 
-def _angle_at_reference(run: Recording) -> float:
+def _reference_angle(runs: Runs) -> float:
     """Steering-wheel angle A at 0.3 g, of either side [rad]."""
-    return angle_at(run, REFERENCE_ACCELERATION)
+    return angle_at(run_named(runs, SLOW_RUN), REFERENCE_ACCELERATION)
 
 
 def _multiple(run: Recording, runs: Runs) -> float:
     amplitude = np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)).max()
-    return float(amplitude / _angle_at_reference(run_named(runs, SLOW_RUN)))
+    return float(amplitude / _reference_angle(runs))
 
 
 def _steering(run: Recording) -> tuple[int, int]:
@@ -128,11 +130,6 @@ def _yaw_rate_ratio(run: Recording, delay: float) -> float:
     return 100 * now / _peak_yaw_rate(run)
 
 
-def _zero(run: Recording) -> float:
-    """The last instant at zero angle before the sine [s]."""
-    return float(run.time[_steering(run)[0]])
-
-
 def _beginning(run: Recording) -> float:
     """When the steering wheel has turned by 5 deg [s]."""
     angle = np.abs(channel(run, motion.STEERING_WHEEL_ANGLE))
@@ -152,15 +149,10 @@ def _passes(name: str, runs: Runs) -> float:
     NotJudged if the run is not the one of its name: a car that has passed with less has not passed.
     """
     run = run_named(runs, name)
-    multiple, named = _multiple(run, runs), _named_multiple(name)
+    multiple, found = _multiple(run, runs), re.search(r"times_(\d+)_(\d+)", name)
+    named = float(f"{found[1]}.{found[2]}") if found else 0.0  # 1.5 of times_1_5
     if named and abs(multiple / named - 1.0) > ROUNDING:
         raise NotJudged(f"{multiple:.2f} A was driven, the run is about {named:g} A")
     stable = all(_yaw_rate_ratio(run, delay) <= limit for delay, limit in YAW_LIMITS)
     responsive = multiple < FULL * (1.0 - ROUNDING) or _displacement(run, _beginning(run)) >= DISPLACEMENT
     return float(stable and responsive)
-
-
-def _named_multiple(name: str) -> float:
-    """The multiple of A in the name of a run, 1.5 of times_1_5; zero without one."""
-    found = re.search(r"times_(\d+)_(\d+)", name)
-    return float(f"{found[1]}.{found[2]}") if found else 0.0

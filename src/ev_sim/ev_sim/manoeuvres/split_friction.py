@@ -13,7 +13,6 @@ from ev_sim.figures.panels import Curve, degrees, motion_panels, over_time, pane
 from ev_sim.figures.plan_view import plan_view
 from ev_sim.measures import motion
 from ev_sim.measures.samples import Runs, channel, run_named
-from ev_sim.recording.recording import Recording
 
 
 def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequence[str]) -> dict[str, Figure]:
@@ -21,29 +20,18 @@ def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequ
 
     The sheet is called `name`, the plan view `path`.
     """
+
+    def rims(name: str) -> list[Curve]:
+        run, radius = run_named(runs, name), vehicle.wheel_radius
+        turning = ((wheel, radius * channel(run, f"wheel_states.velocity.{wheel}")) for wheel in wheels)
+        return [Curve(run.time, speed, wheel.replace("_", " ")) for wheel, speed in turning]
+
     panels = [
-        over_time(runs, "Speed over ground", "speed [m/s]", _over_ground),
+        # Without a sign, which would jump where a car that turns round goes across.
+        over_time(runs, "Speed over ground", "speed [m/s]", lambda run: np.abs(motion.path_speed(run))),
         over_time(runs, "Heading", "heading [deg]", degrees(motion.heading)),
         *motion_panels(runs, "steering_wheel_angle"),
-        *(
-            panel(
-                f"Rim speeds, {run.replace('_', ' ')}", "speed [m/s]", lambda run=run: _rims(runs, run, vehicle, wheels)
-            )
-            for run in runs
-        ),
+        *(panel(f"Rim speeds, {run.replace('_', ' ')}", "speed [m/s]", lambda run=run: rims(run)) for run in runs),
     ]
     tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), key.replace("_", " ")) for key, run in runs.items()]
     return {name: sheet(panels, "time [s]"), "path": plan_view("Path of the centre of mass", tracks)}
-
-
-def _over_ground(run: Recording) -> np.ndarray:
-    """Speed without a sign, which would jump where a car that turns round goes across, (n,) [m/s]."""
-    return np.abs(motion.path_speed(run))
-
-
-def _rims(runs: Runs, name: str, vehicle: Vehicle, wheels: Sequence[str]) -> list[Curve]:
-    run = run_named(runs, name)
-    return [
-        Curve(run.time, vehicle.wheel_radius * channel(run, f"wheel_states.velocity.{wheel}"), wheel.replace("_", " "))
-        for wheel in wheels
-    ]

@@ -37,17 +37,14 @@ def sideslip_gradient(vehicle: Vehicle) -> float:
     return -axle_masses(vehicle)[1] / axle_cornering_stiffnesses(vehicle)[1]
 
 
-def is_linear(vehicle: Vehicle) -> bool:
-    """Whether the closed forms are about this car: cornering stiffnesses of its own, and loads that stay."""
-    return vehicle.tyre.lateral_curve == "linear" and vehicle.load_transfer == "none"
-
-
 def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     """Gradients of each run, those of the linear ones beside the closed form, and the largest lateral acceleration."""
     result = {}
     for name, run in runs.items():
         closed = (understeer_gradient(vehicle), sideslip_gradient(vehicle))
-        closed = closed if name in LINEAR and is_linear(vehicle) else None
+        # The closed forms are about cars with cornering stiffnesses of their own, and loads that stay.
+        has_closed = vehicle.tyre.lateral_curve == "linear" and vehicle.load_transfer == "none"
+        closed = closed if name in LINEAR and has_closed else None
         result |= {
             f"{name}_understeer_gradient": metric(
                 lambda run=run: _gradient(run, _excess_angle(run, vehicle)),
@@ -60,7 +57,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
                 _reference(closed[1], "-m a/(C_r L)") if closed else None,
             ),
             f"{name}_maximum_lateral_acceleration": metric(lambda run=run: _inward_acceleration(run).max(), "m/s^2"),
-            f"{name}_lowest_speed_radius": metric(lambda run=run: _radius(run), "m"),
+            f"{name}_lowest_speed_radius": metric(lambda run=run: 1 / float(_curvature(run)[steady(run).start]), "m"),
         }
     return result
 
@@ -164,10 +161,6 @@ def _gradient(run: Recording, values: np.ndarray) -> float:
     if np.count_nonzero(inside) < 2:
         raise NotMeasured(f"the lateral acceleration jumps over {RANGE[0]:g} to {RANGE[1]:g} m/s^2")
     return float(np.polyfit(acceleration[inside], values[inside], 1)[0])
-
-
-def _radius(run: Recording) -> float:
-    return 1 / float(_curvature(run)[steady(run).start])
 
 
 def _reference(value: float, formula: str) -> Reference | None:

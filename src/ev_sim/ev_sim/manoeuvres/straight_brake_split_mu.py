@@ -22,11 +22,17 @@ ONE_SECOND = 1.0  # after the onset of braking, where ISO 14512 reads the deviat
 def metrics(runs: Runs) -> dict[str, Metric]:
     """Stopping distance and time, deviations and times of locked wheels, for each run."""
 
+    def initial_speed(run: Recording) -> float:
+        return motion.path_speed(run)[_onset(run)]
+
+    def stopping_distance(run: Recording) -> float:
+        return np.ptp(motion.distance_on_path(run)[_braking(run)])
+
     def of(run: Recording) -> dict[str, Metric]:
         return {
-            "initial_speed": metric(lambda: motion.path_speed(run)[_onset(run)], "m/s"),
-            "stopping_distance": metric(lambda: np.ptp(motion.distance_on_path(run)[_braking(run)]), "m"),
-            "mean_deceleration": metric(lambda: _mean_deceleration(run), "m/s^2"),
+            "initial_speed": metric(lambda: initial_speed(run), "m/s"),
+            "stopping_distance": metric(lambda: stopping_distance(run), "m"),
+            "mean_deceleration": metric(lambda: initial_speed(run) ** 2 / (2 * stopping_distance(run)), "m/s^2"),
             "yaw_rate_after_1_s": metric(lambda: _after_a_second(run, channel(run, motion.YAW_RATE)), "rad/s"),
             "peak_yaw_rate": metric(lambda: np.abs(channel(run, motion.YAW_RATE)[_braking(run)]).max(), "rad/s"),
             "yaw_deviation_after_1_s": metric(lambda: _after_a_second(run, motion.heading(run)), "rad"),
@@ -55,11 +61,6 @@ def _braking(run: Recording) -> slice:
     """The samples from the onset of braking to the stop."""
     start = _onset(run)
     return slice(start, start + motion.first(np.abs(motion.path_speed(run)[start:]) < STANDING, "the stop") + 1)
-
-
-def _mean_deceleration(run: Recording) -> float:
-    """Mean over the way, V^2/(2 s) [m/s^2]."""
-    return motion.path_speed(run)[_onset(run)] ** 2 / (2 * np.ptp(motion.distance_on_path(run)[_braking(run)]))
 
 
 def _after_a_second(run: Recording, values: np.ndarray) -> float:

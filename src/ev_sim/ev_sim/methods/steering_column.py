@@ -1,3 +1,3 @@
 """Registers the steering columns."""
 
-from ev_sim.steering import active_front, actuated, column, steering_robot  # noqa: F401
+from ev_sim.steering import actuated, column, steering_robot  # noqa: F401

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.law import WHEEL_NAMES, SteeringColumnState, Vehicle, Wheels, WheelTorqueCommand, compilable, isfinite
-from ev_core.parameters.record import entry, per_wheel
+from ev_core.law import WHEEL_NAMES, Vehicle, Wheels, compilable, entry, isfinite, per_wheel
 from ev_core.vehicle.driveline import drive_train_numbers, motors_behind
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 
 
 class GuardLimits(NamedTuple):

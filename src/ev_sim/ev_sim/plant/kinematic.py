@@ -1,25 +1,35 @@
-"""The kinematic plant: a point mass on wheels that roll without slip (Shchur 2019, eqs 8 to 13)."""
+"""The kinematic plant: a point mass on wheels that roll without slip (Shchur 2019, eqs 8 to 13).
+
+Ackermann-Jeantaud steering: the centre of the turn lies on the line of the rear axle. The equations are multiplied
+through with sin(delta), so they hold in straight running, and delta < 0 mirrors delta > 0: eq 11 as printed has lost
+the sign of delta and would turn the front wheels backwards in a right turn. They are also continuous where the inner
+wheel stands across the car (L/tan(delta) = d/2) and at 90 deg, where arctan would jump: the wheel angle then passes
+beyond 90 deg. delta is the mean road-wheel angle, left positive [rad], |delta| < pi; lengths in m, above zero.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from ev_core.elementary import copysign, cos, sin
-from ev_core.law import GRAVITY, Car, Vehicle, Wheels, compilable, each_wheel, entry, equal_motors, part, setting
-from ev_core.methods.register import method
-from ev_msgs_py.contract.signals import (
-    BodyPose,
-    BodyVelocity,
-    InertialMeasurement,
-    MotorStates,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
+from ev_core.elementary import atan2, copysign, cos, hypot, sin
+from ev_core.law import (
+    GRAVITY,
+    Car,
+    Vehicle,
+    Wheels,
+    compilable,
+    each_wheel,
+    entry,
+    equal_motors,
+    method,
+    part,
+    setting,
 )
+from ev_msgs_py.contract import signals
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.brushless_motor import DriveState
 from ev_sim.drives.drive import DriveParameters, advance_drive
-from ev_sim.plant.ackermann import course_offset, path_curvature, wheel_speed_ratios
 from ev_sim.plant.guard import GuardLimits, GuardState, guard_limits, guard_notes, guarded_angle, guarded_torques
 
 
@@ -71,9 +81,6 @@ def notes(s: KinematicPlantState) -> tuple[str, ...]:
     return guard_notes(s.guard)
 
 
-KINEMATIC_SIGNALS = (WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose)
-
-
 @compilable
 def outputs(car: Car, s: KinematicPlantState) -> tuple:
     """The signals of this instant; wheel torques and acceleration are means over the control period before it.
@@ -92,12 +99,12 @@ def outputs(car: Car, s: KinematicPlantState) -> tuple:
         four.speed_ratio * s.speed / car.wheel_radius,
     )
     return (
-        WheelStates(
+        signals.WheelStates(
             Wheels(one.position, two.position, three.position, four.position),
             velocity,
             Wheels(one.mean_torque, two.mean_torque, three.mean_torque, four.mean_torque),
         ),
-        MotorStates(
+        signals.MotorStates(
             Wheels(
                 shaft_speed(car, 0, velocity[0]),
                 shaft_speed(car, 1, velocity[1]),
@@ -106,11 +113,11 @@ def outputs(car: Car, s: KinematicPlantState) -> tuple:
             ),
             Wheels(s.drives[0].torque, s.drives[1].torque, s.drives[2].torque, s.drives[3].torque),
         ),
-        InertialMeasurement(
+        signals.InertialMeasurement(
             yaw_rate, s.acceleration * along - centripetal * across, s.acceleration * across + centripetal * along
         ),
-        BodyVelocity(s.speed * along, s.speed * across, yaw_rate),
-        BodyPose(s.x, s.y, sin(s.heading / 2), cos(s.heading / 2)),
+        signals.BodyVelocity(s.speed * along, s.speed * across, yaw_rate),
+        signals.BodyPose(s.x, s.y, sin(s.heading / 2), cos(s.heading / 2)),
     )
 
 
@@ -160,7 +167,13 @@ def limits(parameters: KinematicPlantParameters, vehicle: Vehicle, period: float
     start=rolling_straight,
     outputs=outputs,
     notes=notes,
-    writes=KINEMATIC_SIGNALS,
+    writes=(
+        signals.WheelStates,
+        signals.MotorStates,
+        signals.InertialMeasurement,
+        signals.BodyVelocity,
+        signals.BodyPose,
+    ),
     needs=(equal_motors,),
     heavy=True,
     mirrored=True,
@@ -184,20 +197,25 @@ def kinematic(
     and angle are held as the guard accepts them.
     """
     held = guarded_torques(c, s.guard, command)
-    steer(car, s, guarded_angle(c, s.guard, column))
-
+    angle, base, behind = guarded_angle(c, s.guard, column), car.wheelbase, car.centre_of_mass_to_rear_axle
+    s.path_curvature = path_curvature(angle, base, behind)
+    s.course_offset = course_offset(angle, base, behind)
+    ratios = wheel_speed_ratios(angle, base, car.front_track, car.rear_track, behind)
     rolling_resistance = car.rolling_resistance * car.mass * GRAVITY
-    friction = rolling_resistance + sum_of_wheels(held.brake) / car.wheel_radius
+    brake, torques = held.brake, held.drive
+    # Sums go axle by axle, so that mirrored cars stay mirrored to the last bit.
+    friction = rolling_resistance + ((brake[0] + brake[1]) + (brake[2] + brake[3])) / car.wheel_radius
     drag = 0.5 * car.air_density * car.drag_coefficient * car.frontal_area
     sub_steps = max(1, math.ceil(period / p.sub_step - 1e-9))
     step = period / sub_steps
     speed_before = s.speed
     distance = 0.0
     for i in range(4):
-        s.wheels[i].mean_torque = 0.0
+        s.wheels[i].mean_torque, s.wheels[i].speed_ratio = 0.0, ratios[i]
     for _ in range(sub_steps):
-        drive_torque = advance_drives(p, car, s, held.drive, step)
-        force = drive_torque / car.wheel_radius - drag * s.speed * abs(s.speed)
+        front = advance_wheel(p, car, s, 0, torques[0], step) + advance_wheel(p, car, s, 1, torques[1], step)
+        rear = advance_wheel(p, car, s, 2, torques[2], step) + advance_wheel(p, car, s, 3, torques[3], step)
+        force = (front + rear) / car.wheel_radius - drag * s.speed * abs(s.speed)
         s.speed, moved = move_with_dry_friction(s.speed, force, friction, car.mass, step)
         distance += moved
     for i in range(4):
@@ -205,27 +223,6 @@ def kinematic(
         s.wheels[i].position += s.wheels[i].speed_ratio * (distance / car.wheel_radius)
     s.acceleration = (s.speed - speed_before) / period
     move_on_arc(s, distance)
-
-
-@compilable
-def steer(car: Car, s: KinematicPlantState, road_wheel_angle: float) -> None:
-    """Set the path of the centre of mass and the speed ratios of the wheels (eqs 8 to 11)."""
-    base, behind = car.wheelbase, car.centre_of_mass_to_rear_axle
-    s.path_curvature = path_curvature(road_wheel_angle, base, behind)
-    s.course_offset = course_offset(road_wheel_angle, base, behind)
-    ratios = wheel_speed_ratios(road_wheel_angle, base, car.front_track, car.rear_track, behind)
-    for i in range(4):
-        s.wheels[i].speed_ratio = ratios[i]
-
-
-@compilable
-def advance_drives(
-    p: KinematicPlantParameters, car: Car, s: KinematicPlantState, torques: Wheels, step: float
-) -> float:
-    """Advance all drives over one step [s]; the sum of their torques at the wheels [N m], mean over the step."""
-    return (advance_wheel(p, car, s, 0, torques[0], step) + advance_wheel(p, car, s, 1, torques[1], step)) + (
-        advance_wheel(p, car, s, 2, torques[2], step) + advance_wheel(p, car, s, 3, torques[3], step)
-    )
 
 
 @compilable
@@ -243,12 +240,6 @@ def advance_wheel(
 
 
 @compilable
-def sum_of_wheels(values: Wheels) -> float:
-    """Sum axle by axle, so that mirrored cars stay mirrored to the last bit."""
-    return (values[0] + values[1]) + (values[2] + values[3])
-
-
-@compilable
 def move_on_arc(s: KinematicPlantState, distance: float) -> None:
     """Move along a circular arc [m]: the chord, at the mean of the courses at its ends."""
     half_turn = s.path_curvature * distance / 2.0
@@ -257,3 +248,55 @@ def move_on_arc(s: KinematicPlantState, distance: float) -> None:
     s.x += chord * cos(course)
     s.y += chord * sin(course)
     s.heading += 2.0 * half_turn
+
+
+@compilable
+def front_wheel_angles(road_wheel_angle: float, wheelbase: float, front_track: float) -> tuple[float, float]:
+    """Angles of the left and the right front wheel, left positive [rad] (eq 8)."""
+    ahead = wheelbase * sin(road_wheel_angle)
+    to_centre = wheelbase * cos(road_wheel_angle)
+    offset = sin(road_wheel_angle) * front_track / 2.0
+    return atan2(ahead, to_centre - offset), atan2(ahead, to_centre + offset)
+
+
+@compilable
+def path_curvature(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float) -> float:
+    """Curvature 1/R of the path of the centre of mass, positive to the left [1/m] (eq 11 with the sign of delta)."""
+    return sin(road_wheel_angle) / _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle)
+
+
+@compilable
+def course_offset(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float) -> float:
+    """Angle from the car's x axis to the path of its centre of mass, left positive [rad]; from fig 2.
+
+    It is the sideslip angle of a car that rolls forwards.
+    """
+    return atan2(centre_of_mass_to_rear_axle * sin(road_wheel_angle), wheelbase * cos(road_wheel_angle))
+
+
+@compilable
+def wheel_speed_ratios(
+    road_wheel_angle: float, wheelbase: float, front_track: float, rear_track: float, centre_of_mass_to_rear_axle: float
+) -> Wheels:
+    """Speeds V_j of the rolling wheels over the speed V of the centre of mass, in the order of Wheels (eqs 8 to 10).
+
+    The rear wheels roll on radii L/tan(delta) -+ d/2; the inner one rolls backwards where the centre of the turn lies
+    between them.
+    """
+    ahead = wheelbase * sin(road_wheel_angle)
+    to_centre = wheelbase * cos(road_wheel_angle)
+    front_offset = sin(road_wheel_angle) * front_track / 2.0
+    rear_offset = sin(road_wheel_angle) * rear_track / 2.0
+    radius = _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle)
+    return Wheels(
+        hypot(ahead, to_centre - front_offset) / radius,
+        hypot(ahead, to_centre + front_offset) / radius,
+        (to_centre - rear_offset) / radius,
+        (to_centre + rear_offset) / radius,
+    )
+
+
+@compilable
+def _scaled_radius(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float) -> float:
+    """|R sin(delta)|, which stays finite in straight running [m] (eq 11)."""
+    return hypot(wheelbase * cos(road_wheel_angle), centre_of_mass_to_rear_axle * sin(road_wheel_angle))

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
-from ev_core.law import Car, DriverCommand, SteeringColumnState, Vehicle, WheelStates, compilable, entry, method
-from ev_core.parameters.declaration import group, parameter
+from ev_core.law import Car, Vehicle, compilable, entry, group, method, parameter
+from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates
 from ev_sim.steering.friction_oscillator import Oscillator, oscillated, oscillator
 
 steering_column = partial(method, "steering_column", mirrored=True)

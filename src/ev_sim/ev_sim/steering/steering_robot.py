@@ -1,12 +1,13 @@
-"""A steering robot: the steering-wheel angle of standard manoeuvres, whatever the road wheels do against it."""
+"""A steering robot: the angle of standard manoeuvres, as it is or with one that active front steering adds."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
-from ev_core.elementary import sin
-from ev_core.law import Car, Instant, SteeringColumnState, Vehicle, compilable, entry, group, method, parameter, setting
+from ev_core.law import Car, Vehicle, compilable, entry, group, method, parameter, setting, sin, tan
+from ev_msgs_py.contract.signals import BodyVelocity, Instant, SteeringColumnState
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
 
 ROBOT_SHAPES = ("profile", "sine_with_dwell")
@@ -68,28 +69,26 @@ def profile(parameters: SteeringRobotParameters, _vehicle: Vehicle, _period: flo
     return profile_of(p.time, tuple(parameters.scale * angle for angle in p.angle), p.interpolation)
 
 
-def at_its_beginning(p: SteeringRobotParameters, c: Profile, period: float) -> SteeringRobotState:
-    """The robot holds the angle that is wanted at first."""
+def at_its_beginning(
+    p: SteeringRobotParameters, c: Profile, period: float, kind: type[SteeringRobotState] = SteeringRobotState
+) -> SteeringRobotState:
+    """The robot holds the angle that is wanted at first; nothing is added."""
     begin = wanted_angle(p, c, 0.0)
-    return SteeringRobotState(begin, turned(p, period, begin, wanted_angle(p, c, period)))
+    return kind(begin, towards(p, period, begin, wanted_angle(p, c, period)))
 
 
 @compilable
-def shown(car: Car, s: SteeringRobotState, period: float) -> SteeringColumnState:
+def robot_column(car: Car, s: SteeringRobotState, period: float) -> SteeringColumnState:
     """The column at this instant."""
     rate = (s.next_angle - s.angle) / period
     return SteeringColumnState(s.angle, rate, 0.0, s.angle / car.steering_ratio, rate / car.steering_ratio)
 
 
-@method(
-    "steering_column",
-    "steering_robot",
-    SteeringRobotParameters,
-    state=SteeringRobotState,
-    prepare=profile,
-    start=at_its_beginning,
-    outputs=shown,
-    mirrored=True,
+robot_method = partial(method, "steering_column", prepare=profile, mirrored=True)
+
+
+@robot_method(
+    "steering_robot", SteeringRobotParameters, state=SteeringRobotState, start=at_its_beginning, outputs=robot_column
 )
 @compilable
 def steering_robot(p: SteeringRobotParameters, c: Profile, s: SteeringRobotState, period: float, now: Instant) -> None:
@@ -99,7 +98,7 @@ def steering_robot(p: SteeringRobotParameters, c: Profile, s: SteeringRobotState
     has no jumps. The robot needs no hands and reports no hand torque.
     """
     s.angle = s.next_angle
-    s.next_angle = turned(p, period, s.angle, wanted_angle(p, c, now.time + 2 * period))
+    s.next_angle = towards(p, period, s.angle, wanted_angle(p, c, now.time + 2 * period))
 
 
 @compilable
@@ -121,7 +120,83 @@ def sine_with_dwell(p: SineWithDwellParameters, amplitude: float, t: float) -> f
 
 
 @compilable
-def turned(p: SteeringRobotParameters, period: float, angle: float, wanted: float) -> float:
+def towards(p: SteeringRobotParameters, period: float, angle: float, wanted: float) -> float:
     """The angle after a period in which the robot turns towards the wanted one as fast as it can [rad]."""
     most = p.max_rate * period
     return angle + min(max(wanted - angle, -most), most)
+
+
+@dataclass(frozen=True, slots=True)
+class ActiveFrontParameters(SteeringRobotParameters):
+    """What the robot steers, which yaw rate is wanted, and what the superposing motor can do; all assumptions."""
+
+    gain: float = parameter(
+        1.0, unit="s", low=0.0, high=10.0, about="added road-wheel angle over the error of the yaw rate"
+    )
+    understeer: float = parameter(
+        0.0, unit="rad s^2/m", low=0.0, high=0.1, about="road-wheel angle that the car needs more per m/s^2 across"
+    )
+    largest_acceleration: float = parameter(
+        3.0, unit="m/s^2", low=0.1, high=20.0, about="across, that the wanted yaw rate keeps to: what the road gives"
+    )
+    largest_angle: float = parameter(
+        0.15, unit="rad", low=0.0, high=0.7, about="that is added to the road wheels, either way"
+    )
+    largest_rate: float = parameter(
+        0.5, unit="rad/s", low=0.01, high=10.0, about="at which the added angle changes, of a superposition gear"
+    )
+    slowest: float = parameter(
+        1.0, unit="m/s", low=0.1, high=20.0, about="speed below which the added angle goes back to zero"
+    )
+
+
+@dataclass(slots=True)
+class ActiveFrontState(SteeringRobotState):
+    """The same, and the added angles."""
+
+    added: float = entry(unit="rad", about="to the road wheels, now")
+    next_added: float = entry(unit="rad", about="to the road wheels, a period later")
+
+
+@compilable
+def active_column(car: Car, s: ActiveFrontState, period: float) -> SteeringColumnState:
+    """The column at this instant: the road wheels stand at more than the steering wheel says."""
+    rate, added_rate = (s.next_angle - s.angle) / period, (s.next_added - s.added) / period
+    ratio = car.steering_ratio
+    return SteeringColumnState(s.angle, rate, 0.0, s.angle / ratio + s.added, rate / ratio + added_rate)
+
+
+@robot_method(
+    "active_front",
+    ActiveFrontParameters,
+    state=ActiveFrontState,
+    start=partial(at_its_beginning, kind=ActiveFrontState),
+    outputs=active_column,
+)
+@compilable
+def active_front(
+    p: ActiveFrontParameters,
+    car: Car,
+    c: Profile,
+    s: ActiveFrontState,
+    period: float,
+    now: Instant,
+    body: BodyVelocity,
+) -> None:
+    """Steer as the robot does, and add k (r* - r) to the road wheels, by a superposition gear.
+
+    r* = V tan(d)/(L + K V^2) with the hands' own angle d, within a_y/|V|: the steady single-track model, no source has
+    it. In reverse the sign turns around, since there the front wheels turn the car the other way. The added angle keeps
+    to `largest_angle` and `largest_rate`; the hands do not feel it. The yaw rate and V are the true ones, as those of
+    the rear steering are.
+    """
+    s.angle, s.added = s.next_angle, s.next_added
+    s.next_angle = towards(p, period, s.angle, wanted_angle(p, c, now.time + 2 * period))
+    speed, added = body.longitudinal, 0.0
+    if abs(speed) >= p.slowest:
+        steered = speed * tan(s.angle / car.steering_ratio) / (car.wheelbase + p.understeer * speed * speed)
+        most = p.largest_acceleration / abs(speed)
+        error = min(max(steered, -most), most) - body.yaw_rate
+        added = min(max(p.gain * (error if speed > 0.0 else -error), -p.largest_angle), p.largest_angle)
+    step = p.largest_rate * period
+    s.next_added = s.added + min(max(added - s.added, -step), step)

@@ -2,56 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import NamedTuple
-
-from ev_core.law import GRAVITY, Car, Vehicle, asin, compilable, inlined, sqrt
+from ev_core.law import GRAVITY, Car, asin, compilable, inlined, sqrt
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.given import BodyConstants
 from ev_sim.plant.planar.planar_state import Contacts, Row, Step
+from ev_sim.plant.planar.prepare import RoadTables, Slope, Track
 from ev_sim.profiles.profile import number_until
-from ev_sim.surfaces import RoadParameters, Segments, TyreOnRoad, interpolate, left_and_right, segment_at, tyre_on_road
+from ev_sim.surfaces import TyreOnRoad, interpolate, segment_at
 from ev_sim.tyres.contact_patch import SLIP_VECTOR, STILL, WEIGHTED, sensitivity, slip_vector, uncoupled, weighted
 from ev_sim.tyres.curve import largest
 from ev_sim.tyres.mf_tyre import at_load
 
 _WIDTH = len(TyreOnRoad._fields)
-
-
-class Track(NamedTuple):
-    """Where segments begin [m], and the numbers of `TyreOnRoad` on each of them, one after the other."""
-
-    start: tuple[float, ...]
-    tyres: tuple[float, ...]
-
-
-class Slope(NamedTuple):
-    """Distances [m], grade and side slope [1] there."""
-
-    distance: tuple[float, ...]
-    grade: tuple[float, ...]
-    side_slope: tuple[float, ...]
-
-
-class RoadTables(NamedTuple):
-    """A road for the tyres of one vehicle."""
-
-    left: Track
-    right: Track
-    slope: Slope
-
-
-def road_tables(road: RoadParameters, vehicle: Vehicle) -> RoadTables:
-    """The road for this vehicle's tyres."""
-    left, right = left_and_right(road)
-    scale = road.rolling_resistance_scale
-    slope = Slope(road.slope_distance, road.grade, road.side_slope)
-    of = {name: tyre_on_road(vehicle.tyre, road.surface(name), scale) for name in {*left.surface, *right.surface}}
-    return RoadTables(_track(left, of), _track(right, of), slope)
-
-
-def _track(segments: Segments, of: Mapping[str, TyreOnRoad]) -> Track:
-    return Track(segments.start, tuple(number for name in segments.surface for number in of[name]))
 
 
 @inlined
@@ -64,26 +26,21 @@ def find_road(y: Row, body: BodyConstants, step: Step, road: RoadTables, first: 
     for axle in range(2):
         _look_under(y, body, step, road.left, 2 * axle, first)
         _look_under(y, body, step, road.right, 2 * axle + 1, first)
-    slope, before = road.slope, 0 if first else int(step.slope_segment)
-    rise, segment = interpolate(slope.distance, slope.grade, y[state.BODY_DISTANCE], before)
-    side_rise, _ = interpolate(slope.distance, slope.side_slope, y[state.BODY_DISTANCE], segment)
+    before = 0 if first else int(step.slope_segment)
+    step.gravity_x, step.gravity_y, step.gravity_z, segment = gravity_at(road.slope, y[state.BODY_DISTANCE], before)
     step.slope_segment = float(segment)
-    step.gravity_x, step.gravity_y, step.gravity_z = gravity_on(rise, side_rise)
 
 
 @inlined
-def gravity_on(rise: float, side_rise: float) -> tuple[float, float, float]:
-    """Gravity in the frame of a road [m/s^2] with a grade and a side slope [1]: along, to the left, and onto it."""
-    onto = GRAVITY / sqrt(1.0 + rise * rise + side_rise * side_rise)
-    return -rise * onto, -side_rise * onto, onto
+def gravity_at(slope: Slope, distance: float, before: int) -> tuple[float, float, float, int]:
+    """Gravity in the frame of the road [m/s^2]: along, to the left, and onto it; and the segment, found from `before`.
 
-
-@inlined
-def gravity_at(slope: Slope, distance: float) -> tuple[float, float, float]:
-    """The same at a travelled distance of the centre of mass [m]."""
-    rise, segment = interpolate(slope.distance, slope.grade, distance, 0)
+    It is that at a travelled distance of the centre of mass [m], by grade and side slope there.
+    """
+    rise, segment = interpolate(slope.distance, slope.grade, distance, before)
     side_rise, _ = interpolate(slope.distance, slope.side_slope, distance, segment)
-    return gravity_on(rise, side_rise)
+    onto = GRAVITY / sqrt(1.0 + rise * rise + side_rise * side_rise)
+    return -rise * onto, -side_rise * onto, onto, segment
 
 
 @inlined

@@ -7,21 +7,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.law import BenchElectrical, BenchShafts, Car, LoadCommand, Vehicle, compilable, inlined, method, parameter
-from ev_core.parameters.record import entry, per_wheel, working_memory
+from ev_core.law import Car, Vehicle, compilable, entry, inlined, method, parameter, per_wheel, working_memory
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
 from ev_msgs_py.can.frames import SPEED_MODE
+from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchShafts, LoadCommand
 from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.electrical_side import current_at_power
 from ev_sim.plant.guard import accepted
-from ev_sim.plant.planar.drive_torques import Lags, behind_gear
-from ev_sim.plant.planar.energy import PowerConstants, source_voltage
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.planar import PLANAR, advance
-from ev_sim.plant.planar.planar_state import STAGES, STEP, VX, WHEEL_SPEED, PlanarState, Step
+from ev_sim.plant.planar.planar_state import STEP, VX, WHEEL_SPEED, PlanarState, Step
+from ev_sim.plant.planar.powertrain import behind_gear, source_voltage
 from ev_sim.plant.planar.prepare import PlanarConstants
-from ev_sim.plant.planar.shown import PLANAR_SIGNALS, Seen, seen, wheels_from
-from ev_sim.plant.planar.start import begin
+from ev_sim.plant.planar.shown import PLANAR_SIGNALS, Seen, begin, seen, wheels_from
 
 WHEEL_SPEEDS = ("virtual", "load_machine")
 VIRTUAL, LOAD_MACHINE = range(len(WHEEL_SPEEDS))
@@ -88,10 +86,9 @@ def outputs(
 ) -> tuple[*Seen, LoadCommand]:
     """All signals at the instant of the state; torque and speed of the motors are those that were measured."""
     steps = working_memory(STEP)
-    said = seen(p, car, c, s, steps, working_memory(STAGES))
+    said = seen(p, car, c, s, steps)
     motors = MotorStates(wheels_from(s.measured_speed, 0), wheels_from(s.measured_torque, 0))
-    load = _load(car, c, s, steps[0])
-    return said[0], motors, said[2], said[3], said[4], said[5], said[6], load
+    return said[0], motors, said[2], said[3], said[4], said[5], said[6], _load(car, c, s, steps[0])
 
 
 @compilable
@@ -143,31 +140,22 @@ def planar_on_bench(
         s.measured_torque[i] = accepted(s.guard, torque, 0.0, -most, most)
         s.measured_speed[i] = shafts.speed[i]
         if p.wheel_speed == LOAD_MACHINE:
-            _turn_with_load_machine(s, i, shafts.load_speed[i] / car.gear_ratio)
+            # The wheel meets the road as its load machine turned when the last period ended. The set-point of the load
+            # machine goes on from its last one, the speed J w' = i M - F_x r - M_f - M_brake of the virtual wheel. The
+            # difference between both, held over a period, is what the load machine does not follow.
+            told = s.motion[WHEEL_SPEED + i] - s.apart[i]
+            behind = shafts.load_speed[i] / car.gear_ratio - s.told_speed[i]
+            s.apart[i], s.told_speed[i] = accepted(s.guard, behind, 0.0, -_MOST_APART, _MOST_APART), told
+            s.motion[WHEEL_SPEED + i] = told + s.apart[i]
     driven, voltage, current = car.driven, electrical.voltage, electrical.current
     front = driven[0] * voltage[0] * current[0] + driven[1] * voltage[1] * current[1]
     power = front + (driven[2] * voltage[2] * current[2] + driven[3] * voltage[3] * current[3])
     s.measured_power = accepted(s.guard, power, 0.0, -_MOST_POWER, _MOST_POWER)
-    advance(p, car, c, s, period, command, column, _apply, _book)
+    advance(p, car, c, s, period, command, column, _apply, _book, working_memory(STEP))
 
 
 @inlined
-def _turn_with_load_machine(s: PlanarOnBenchState, i: int, speed: float) -> None:
-    """Let a wheel meet the road as its load machine turned [rad/s, of the wheel] when the last period ended.
-
-    The set-point of the load machine goes on from its last one: the speed J w' = i M - F_x r - M_f - M_brake of the
-    virtual wheel. The difference between both, held over a period, is what the load machine does not follow.
-    """
-    told = s.motion[WHEEL_SPEED + i] - s.apart[i]
-    apart = accepted(s.guard, speed - s.told_speed[i], 0.0, -_MOST_APART, _MOST_APART)
-    s.motion[WHEEL_SPEED + i] = told + apart
-    s.apart[i], s.told_speed[i] = apart, told
-
-
-@inlined
-def _apply(
-    s: PlanarOnBenchState, p: PlanarOnBenchParameters, car: Car, power: PowerConstants, lags: Lags, step: Step, h: float
-) -> None:
+def _apply(p: PlanarOnBenchParameters, car: Car, c: PlanarConstants, s: PlanarOnBenchState, step: Step) -> None:
     """Set drive and brake torques of the wheels [N m]: those of the bench behind the gear, and of the brakes."""
     for i in range(4):
         step.motor[i] = s.motor_torque[i] = s.measured_torque[i]
@@ -176,11 +164,9 @@ def _apply(
 
 
 @inlined
-def _book(
-    s: PlanarOnBenchState, p: PlanarOnBenchParameters, car: Car, power: PowerConstants, step: Step, h: float
-) -> None:
-    """Book the energies of this step of h [s], and discharge the battery by the measured power."""
-    mechanical = drive = 0.0
+def _book(p: PlanarOnBenchParameters, car: Car, c: PlanarConstants, s: PlanarOnBenchState, step: Step) -> None:
+    """Book the energies of this step, and discharge the battery by the measured power."""
+    mechanical, drive, power, h = 0.0, 0.0, c.power, c.h
     for axle in range(2):
         left, right = 2 * axle, 2 * axle + 1
         left_speed, right_speed = step.turned[left] / h, step.turned[right] / h

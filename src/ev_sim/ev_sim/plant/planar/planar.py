@@ -4,35 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
-from ev_core.law import Car, SteeringColumnState, Vehicle, WheelTorqueCommand, cos, group, inlined, method, sin
-from ev_core.parameters.record import per_wheel, working_memory
+from ev_core.law import Car, Vehicle, cos, group, inlined, method, per_wheel, sin, working_memory
 from ev_core.vehicle.driveline import has_own_motors
 from ev_msgs_py.contract.optional_signals import RearSteeringState, WheelSpeedCommand
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.synchronous_motor import SpeedModeParameters, speed_control_without_windup
 from ev_sim.plant.guard import accepted, guarded_steering, guarded_torques
 from ev_sim.plant.planar import planar_state as state
-from ev_sim.plant.planar.body import steer
+from ev_sim.plant.planar import shown
+from ev_sim.plant.planar.body import integrate, steer
 from ev_sim.plant.planar.car_faults import deflate, delay_commands, find_faults
 from ev_sim.plant.planar.contact import find_road
-from ev_sim.plant.planar.drive_torques import Lags, apply_drives
-from ev_sim.plant.planar.energy import PowerConstants, account
 from ev_sim.plant.planar.given import IMPOSED, PlanarParameters, load_files
-from ev_sim.plant.planar.integration import integrate
+from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
-from ev_sim.plant.planar.shown import ELECTRICAL_SIGNALS, PLANAR_SIGNALS, electrical_outputs, outputs
-from ev_sim.plant.planar.start import begin, keep_noted, notes
 from ev_sim.profiles.profile import value_at
 
 # What all methods of this plant have, but for what they give themselves.
 PLANAR: dict[str, Any] = {
     "state": state.PlanarState,
     "prepare": prepare,
-    "start": begin,
-    "outputs": outputs,
-    "notes": notes,
-    "writes": PLANAR_SIGNALS,
+    "start": shown.begin,
+    "outputs": shown.outputs,
+    "notes": shown.notes,
+    "writes": shown.PLANAR_SIGNALS,
     "load_files": load_files,
     "heavy": True,
     "mirrored": True,
@@ -54,7 +52,7 @@ def planar(
 
     Over one period the torques are held and the steering angle goes on at its rate, as the guard accepts them.
     """
-    advance(p, car, c, s, period, command, column, apply_drives, account)
+    advance(p, car, c, s, period, command, column, apply_drives, account, working_memory(state.STEP))
 
 
 @inlined
@@ -68,8 +66,13 @@ def advance(
     column: SteeringColumnState,
     apply: Callable[..., None],
     book: Callable[..., None],
+    steps: list[state.Step],
 ) -> None:
-    """One period; `apply` sets the torques of a step as `apply_drives` does, `book` its energies as `account` does."""
+    """All steps of a period, in memory of one record.
+
+    `apply` sets the torques of a step as `apply_drives` does, `book` its energies as `account` does. The road-wheel
+    angle goes on at its rate.
+    """
     torques = guarded_torques(c.limits, s.guard, command)
     angle, rate = guarded_steering(c.limits, s.guard, column, period)
     if len(c.faults.kind) > 0 or s.faults.is_struck == 1.0:
@@ -78,16 +81,44 @@ def advance(
     s.imposed_acceleration = 0.0
     if p.speed == IMPOSED:
         s.imposed_acceleration = (value_at(c.imposed, s.periods * period) - s.motion[state.VX]) / period
-    _run(p, car, c, s, torques, angle, rate, apply, book, working_memory(state.STEP), working_memory(state.STAGES))
-    s.road_wheel_angle = angle + rate * (c.steps * c.h)
-    keep_noted(s, car, c.road)
+    step, h, y = steps[0], c.h, s.motion
+    step.imposed_acceleration = s.imposed_acceleration
+    for i in range(4):
+        step.drive_command[i], step.brake_command[i] = torques.drive[i], torques.brake[i]
+        s.mean_drive[i] = 0.0
+    is_struck = s.faults.is_struck == 1.0
+    if is_struck:
+        delay_commands(s.faults, s.periods - 1.0, step)
+    for n in range(int(c.steps)):
+        find_road(y, c.body, step, c.road, n == 0 or is_struck)
+        if is_struck:
+            deflate(s.faults, p, car, c.body, step)
+        time = (n + 0.5) * h
+        steer(car, step, angle + rate * time, s.rear_angle + s.rear_rate * time)
+        apply(p, car, c, s, step)
+        vx, vy, heading = y[state.VX], y[state.VY], y[state.HEADING]
+        for i in range(4):
+            step.turned[i] = -y[state.WHEEL_ANGLE + i]
+        integrate(y, p, car, c.body, step, h)
+        for i in range(4):
+            step.turned[i] += y[state.WHEEL_ANGLE + i]
+            s.mean_drive[i] += step.drive[i] / c.steps
+        # The position feeds nothing back, so the trapezoidal rule over the step is enough.
+        mean_x, mean_y = 0.5 * (vx + y[state.VX]), 0.5 * (vy + y[state.VY])
+        middle = 0.5 * (heading + y[state.HEADING])
+        cosine, sine = cos(middle), sin(middle)
+        s.x += h * (mean_x * cosine - mean_y * sine)
+        s.y += h * (mean_y * cosine + mean_x * sine)
+        book(p, car, c, s, step)
+    s.road_wheel_angle = angle + rate * (c.steps * h)
+    shown.keep_noted(s, car, c.road)
 
 
 @method(
     "plant",
     "planar_electrical",
     PlanarParameters,
-    **PLANAR | {"prepare": prepare_electrical, "outputs": electrical_outputs, "writes": ELECTRICAL_SIGNALS},
+    **PLANAR | {"prepare": prepare_electrical, "outputs": shown.electrical_outputs, "writes": shown.ELECTRICAL_SIGNALS},
 )
 @inlined
 def planar_electrical(
@@ -104,52 +135,6 @@ def planar_electrical(
     Voltage of the DC link and temperatures limit the torque.
     """
     planar(p, car, c, s, period, command, column)
-
-
-@inlined
-def _run(
-    p: PlanarParameters,
-    car: Car,
-    c: PlanarConstants,
-    s: state.PlanarState,
-    torques: WheelTorqueCommand,
-    angle: float,
-    rate: float,
-    apply: Callable[..., None],
-    book: Callable[..., None],
-    steps: list[state.Step],
-    stages: list[state.Stages],
-) -> None:
-    """All steps of a period, from a road-wheel angle [rad] that goes on at its rate [rad/s]."""
-    step, h, y = steps[0], c.h, s.motion
-    step.imposed_acceleration = s.imposed_acceleration
-    for i in range(4):
-        step.drive_command[i], step.brake_command[i] = torques.drive[i], torques.brake[i]
-        s.mean_drive[i] = 0.0
-    is_struck = s.faults.is_struck == 1.0
-    if is_struck:
-        delay_commands(s.faults, s.periods - 1.0, step)
-    for n in range(int(c.steps)):
-        find_road(y, c.body, step, c.road, n == 0 or is_struck)
-        if is_struck:
-            deflate(s.faults, p, car, c.body, step)
-        time = (n + 0.5) * h
-        steer(car, step, angle + rate * time, s.rear_angle + s.rear_rate * time)
-        apply(s, p, car, c.power, c.lags, step, h)
-        vx, vy, heading = y[state.VX], y[state.VY], y[state.HEADING]
-        for i in range(4):
-            step.turned[i] = -y[state.WHEEL_ANGLE + i]
-        integrate(y, p, car, c.body, step, stages[0], h)
-        for i in range(4):
-            step.turned[i] += y[state.WHEEL_ANGLE + i]
-            s.mean_drive[i] += step.drive[i] / c.steps
-        # The position feeds nothing back, so the trapezoidal rule over the step is enough.
-        mean_x, mean_y = 0.5 * (vx + y[state.VX]), 0.5 * (vy + y[state.VY])
-        middle = 0.5 * (heading + y[state.HEADING])
-        cosine, sine = cos(middle), sin(middle)
-        s.x += h * (mean_x * cosine - mean_y * sine)
-        s.y += h * (mean_y * cosine + mean_x * sine)
-        book(s, p, car, c.power, step, h)
 
 
 @method("plant", "planar_rear_steering", PlanarParameters, **PLANAR)
@@ -190,12 +175,6 @@ class SpeedModeState(state.PlanarState):
     speed_integral: list[float] = per_wheel(unit="N m", about="integral part of the speed control, at the shaft")
 
 
-def begin_speed_mode(p: PlanarSpeedModeParameters, car: Car, c: PlanarConstants) -> SpeedModeState:
-    """As the planar plant begins."""
-    started: SpeedModeState = begin(p, car, c, SpeedModeState)
-    return started
-
-
 def a_motor_for_each_wheel(_parameters: PlanarSpeedModeParameters, vehicle: Vehicle) -> str:
     """A drive controls the speed of its own wheel."""
     return "" if has_own_motors(vehicle) else "driveline.coupling individual"
@@ -206,7 +185,7 @@ def a_motor_for_each_wheel(_parameters: PlanarSpeedModeParameters, vehicle: Vehi
     "planar_speed_mode",
     PlanarSpeedModeParameters,
     needs=(a_motor_for_each_wheel,),
-    **PLANAR | {"state": SpeedModeState, "start": begin_speed_mode},
+    **PLANAR | {"state": SpeedModeState, "start": partial(shown.begin, kind=SpeedModeState)},
 )
 @inlined
 def planar_speed_mode(
@@ -228,20 +207,12 @@ def planar_speed_mode(
     for i in range(4):
         most = car.motor.maximum_speed / car.gear[i]
         s.set_point[i] = accepted(s.guard, speeds.speed[i], s.set_point[i], -most, most)
-    advance(p, car, c, s, period, command, column, _apply, account)
+    advance(p, car, c, s, period, command, column, _apply, account, working_memory(state.STEP))
 
 
 @inlined
-def _apply(
-    s: SpeedModeState,
-    p: PlanarSpeedModeParameters,
-    car: Car,
-    power: PowerConstants,
-    lags: Lags,
-    step: state.Step,
-    h: float,
-) -> None:
-    """Set the torques of a step of h [s] as in torque mode, by the torque that each speed control asks for."""
+def _apply(p: PlanarSpeedModeParameters, car: Car, c: PlanarConstants, s: SpeedModeState, step: state.Step) -> None:
+    """Set the torques of a step as in torque mode, by the torque that each speed control asks for."""
     command, control = step.drive_command, p.speed_control
     front_left, front_right, rear_left, rear_right = command[0], command[1], command[2], command[3]
     for i in range(4):
@@ -252,9 +223,9 @@ def _apply(
             continue
         error = gear * (s.set_point[i] - s.motion[state.WHEEL_SPEED + i])
         asked, s.speed_integral[i] = speed_control_without_windup(
-            control.gain, control.integral_time, s.speed_integral[i], error, h, least, most
+            control.gain, control.integral_time, s.speed_integral[i], error, c.h, least, most
         )
         if (command[i] > 0.0 and asked < most) or (command[i] < 0.0 and asked > least):
             command[i] = gear * min(max(asked, least), most)
-    apply_drives(s, p, car, power, lags, step, h)
+    apply_drives(p, car, c, s, step)
     command[0], command[1], command[2], command[3] = front_left, front_right, rear_left, rear_right

@@ -150,6 +150,17 @@ class Contacts:
 
 
 @dataclass(slots=True)
+class Stages:
+    """The rates at the stages of the Runge-Kutta method, and the state at one of them; units of the state, per s."""
+
+    state: list[float] = series(INTEGRATED_SIZE, unit="")
+    k1: list[float] = series(INTEGRATED_SIZE, unit="")
+    k2: list[float] = series(INTEGRATED_SIZE, unit="")
+    k3: list[float] = series(INTEGRATED_SIZE, unit="")
+    k4: list[float] = series(INTEGRATED_SIZE, unit="")
+
+
+@dataclass(slots=True)
 class Step:
     """One step: commands, what acts on the wheels, and the results of the last evaluation of the rates."""
 
@@ -182,17 +193,7 @@ class Step:
     motor: list[float] = per_wheel(unit="N m", about="mean torque of the motor over the step, at its shaft")
     turned: list[float] = per_wheel(unit="rad", about="by the wheel in the step")
     mean_speed: list[float] = per_wheel(unit="rad/s", about="of the wheel over the step")
+    stages: Stages = part(Stages)
 
 
-@dataclass(slots=True)
-class Stages:
-    """The rates at the stages of the Runge-Kutta method, and the state at one of them; units of the state, per s."""
-
-    state: list[float] = series(INTEGRATED_SIZE, unit="")
-    k1: list[float] = series(INTEGRATED_SIZE, unit="")
-    k2: list[float] = series(INTEGRATED_SIZE, unit="")
-    k3: list[float] = series(INTEGRATED_SIZE, unit="")
-    k4: list[float] = series(INTEGRATED_SIZE, unit="")
-
-
-STEP, STAGES = memory_type(Step), memory_type(Stages)
+STEP = memory_type(Step)

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
-from ev_core.law import WHEEL_NAMES, ParameterError, Vehicle, expm1, sqrt
+from ev_core.law import WHEEL_NAMES, ParameterError, Vehicle, exp, expm1, sqrt
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
-from ev_sim.drives.brushless_motor import MotorParameters, torque_constant
+from ev_sim.drives.brushless_motor import torque_constant
 from ev_sim.drives.drive import DRIVES
 from ev_sim.plant.guard import GuardLimits, guard_limits
 from ev_sim.plant.planar.car_faults import CarFaults, car_faults
-from ev_sim.plant.planar.contact import RoadTables, road_tables
-from ev_sim.plant.planar.drive_torques import Lags
-from ev_sim.plant.planar.energy import EfficiencyMap, Electrical, PowerConstants, electrical_over
 from ev_sim.plant.planar.given import BodyConstants, PlanarParameters, body_constants
 from ev_sim.profiles.profile import Profile, wanted_speed
+from ev_sim.surfaces import RoadParameters, Segments, TyreOnRoad, left_and_right, tyre_on_road
 
 # Largest product of step and eigenvalue; the Runge-Kutta method is stable up to 2.78, and at half of that the motion
 # that decays within a step is still no worse than it would be if it were exact.
@@ -54,19 +53,88 @@ def longest_step(vehicle: Vehicle) -> float:
     return step
 
 
-def longest_brushless_step(vehicle: Vehicle, motor: MotorParameters) -> float:
-    """The longest step [s] over which a brushless DC drive may see one shaft speed.
-
-    Without voltage to spare its current swings against the wheel with n k/sqrt(2 L J_w), torque constant k behind the
-    gear ratio n.
-    """
-    constant = vehicle.gear_ratio * torque_constant(motor)
-    return BRUSHLESS_PRODUCT / constant * sqrt(2.0 * motor.inductance * vehicle.wheel_inertia)
-
-
 def _fastest(stiffness: float, damping_time: float, mass: float) -> float:
     squared = stiffness / mass
     return max(sqrt(squared), squared * damping_time, 1.0 / damping_time)
+
+
+class Track(NamedTuple):
+    """Where segments begin [m], and the numbers of `TyreOnRoad` on each of them, one after the other."""
+
+    start: tuple[float, ...]
+    tyres: tuple[float, ...]
+
+
+class Slope(NamedTuple):
+    """Distances [m], grade and side slope [1] there."""
+
+    distance: tuple[float, ...]
+    grade: tuple[float, ...]
+    side_slope: tuple[float, ...]
+
+
+class RoadTables(NamedTuple):
+    """A road for the tyres of one vehicle."""
+
+    left: Track
+    right: Track
+    slope: Slope
+
+
+def road_tables(road: RoadParameters, vehicle: Vehicle) -> RoadTables:
+    """The road for this vehicle's tyres."""
+    left, right = left_and_right(road)
+    scale = road.rolling_resistance_scale
+    slope = Slope(road.slope_distance, road.grade, road.side_slope)
+    of = {name: tyre_on_road(vehicle.tyre, road.surface(name), scale) for name in {*left.surface, *right.surface}}
+    return RoadTables(_track(left, of), _track(right, of), slope)
+
+
+def _track(segments: Segments, of: Mapping[str, TyreOnRoad]) -> Track:
+    return Track(segments.start, tuple(number for name in segments.surface for number in of[name]))
+
+
+class Lags(NamedTuple):
+    """What a lag with time constant tau closes over a step [1]: 1 - exp(-h/tau)."""
+
+    torque: float
+    torque_mean: float  # the mean of the torque's over the step
+    clutch: float
+    heat: float
+
+
+class Electrical(NamedTuple):
+    """Zeros where it is not modelled."""
+
+    modelled: float = 0.0  # 1 where it is
+    # Temperatures [degC] between which cells may be discharged and charged, see `cells.temperature_share`.
+    discharge_temperature: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    charge_temperature: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    relaxation_resistance: float = 0.0  # of the battery [ohm]
+    relaxation_share: float = 0.0  # what relaxation closes over a step [1]
+    # What a step leaves of a difference of temperature [1].
+    cells_left: float = 0.0
+    winding_left: float = 0.0
+    inverter_left: float = 0.0
+
+
+class EfficiencyMap(NamedTuple):
+    """Shaft speeds [rad/s], shaft torques [N m], and for each speed a row of efficiencies [1]; empty without a map."""
+
+    speed: tuple[float, ...]
+    torque: tuple[float, ...]
+    efficiency: tuple[float, ...]
+
+
+class PowerConstants(NamedTuple):
+    """Of battery and motors."""
+
+    capacity: float  # charge between empty and full [A s]
+    voltage: tuple[float, ...]  # open circuit, at equally spaced states of charge from empty to full [V]
+    resistance: float  # of the battery, at once [ohm]
+    map: EfficiencyMap
+    electrical: Electrical
+    gearbox: tuple[float, ...]  # ratios of an engine's gears
 
 
 class PlanarConstants(NamedTuple):
@@ -152,7 +220,10 @@ def number_of_steps(parameters: PlanarParameters, vehicle: Vehicle, period: floa
     if vehicle.suspension.roll_lag > 0.0:
         longest = min(longest, vehicle.suspension.roll_lag)
     if parameters.drive in DRIVES:
-        longest = min(longest, longest_brushless_step(vehicle, parameters.motor))
+        # A brushless DC drive may see one shaft speed over a step: without voltage to spare its current swings against
+        # the wheel with n k/sqrt(2 L J_w), torque constant k behind the gear ratio n.
+        constant, inductance = vehicle.gear_ratio * torque_constant(parameters.motor), parameters.motor.inductance
+        longest = min(longest, BRUSHLESS_PRODUCT / constant * sqrt(2.0 * inductance * vehicle.wheel_inertia))
     rounding = 1e-12  # a period of a whole number of steps gets no more than that
     return max(math.ceil(period / longest * (1.0 - rounding)), 1)
 
@@ -174,3 +245,18 @@ def efficiency_map(vehicle: Vehicle) -> EfficiencyMap:
     if motor.map_file:
         raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
     return EfficiencyMap(motor.map_speed, motor.map_torque, motor.map_efficiency)
+
+
+def electrical_over(h: float, vehicle: Vehicle) -> Electrical:
+    """The constants for steps of h [s]."""
+    cells, thermal = vehicle.battery.cells, vehicle.motor.thermal
+    return Electrical(
+        modelled=1.0,
+        discharge_temperature=cells.discharge_temperature,
+        charge_temperature=cells.charge_temperature,
+        relaxation_resistance=cells.in_series * cells.relaxation_resistance,
+        relaxation_share=-expm1(-h / cells.relaxation_time),
+        cells_left=exp(-h / (cells.heat_capacity * cells.thermal_resistance)),
+        winding_left=exp(-h / (thermal.winding_capacity * thermal.winding_resistance)),
+        inverter_left=exp(-h / (thermal.inverter_capacity * thermal.inverter_resistance)),
+    )

@@ -1,31 +1,137 @@
-"""The signals of the planar plant: what sensors show of its state."""
+"""The planar plant at the start of a run, what sensors show of its state, and its notes about the run."""
 
 from __future__ import annotations
 
-from typing import get_args
+from typing import Any, get_args
 
-from ev_core.elementary import asin, cos, sin
-from ev_core.law import Car, CellCondition, MotorElectrics, MotorTemperatures, Wheels, compilable, working_memory
-from ev_msgs_py.contract.signals import (
-    BatteryCondition,
-    BodyPose,
-    BodyVelocity,
-    InertialMeasurement,
-    MotorStates,
-    TireForces,
-    WheelStates,
-)
+from ev_core.law import Car, InertialMeasurement, ParameterError, asin, compilable, cos, inlined, sin, working_memory
+from ev_msgs_py.contract.optional_signals import CellCondition, MotorElectrics, MotorTemperatures
+from ev_msgs_py.contract.signals import BatteryCondition, BodyPose, BodyVelocity, MotorStates, TireForces, WheelStates
+from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
+from ev_sim.drives.combustion_engine import begin_engine
 from ev_sim.drives.couplings import shaft_speeds
 from ev_sim.drives.electrical_side import coolant_outlet_temperature, current_at_power
 from ev_sim.drives.synchronous_motor import phase_values
+from ev_sim.plant.guard import guard_notes
 from ev_sim.plant.planar import planar_state as state
-from ev_sim.plant.planar.body import rates, steer
+from ev_sim.plant.planar.body import loads, rates, steer
 from ev_sim.plant.planar.car_faults import deflate
-from ev_sim.plant.planar.contact import find_road, slips
-from ev_sim.plant.planar.energy import PowerConstants, drive_loss, source_voltage, terminal_voltage
+from ev_sim.plant.planar.contact import find_road, gravity_at, look, slips, within_friction
 from ev_sim.plant.planar.given import PlanarParameters
-from ev_sim.plant.planar.planar_state import STAGES, STEP, PlanarState, Stages, Step
-from ev_sim.plant.planar.prepare import PlanarConstants
+from ev_sim.plant.planar.planar_state import STEP, PlanarState, Step
+from ev_sim.plant.planar.powertrain import drive_loss, source_voltage, terminal_voltage
+from ev_sim.plant.planar.prepare import PlanarConstants, RoadTables
+from ev_sim.tyres.curve import FRICTION_CURVES, Coefficients, friction, peak_slip
+
+_REFUSED = (
+    "more torque was asked against the gear than the engine's drag: the gear stayed, the selector moves below "
+    "vehicle.engine.gearbox.selector_speed"
+)
+
+
+@inlined
+def keep_noted(s: PlanarState, car: Car, road: RoadTables) -> None:
+    """Keep which wheels are off the ground in this state, and whether the battery is empty."""
+    if s.state_of_charge <= 0.0:
+        s.battery_empty = 1.0
+    _, _, gravity_z, _ = gravity_at(road.slope, s.motion[state.BODY_DISTANCE], 0)
+    load = loads(s.motion, car, gravity_z)
+    for i in range(4):
+        if load[i] == 0.0:
+            s.lifted[i] = 1.0
+
+
+def notes(s: PlanarState) -> tuple[str, ...]:
+    """Commands that were not taken as they came, counted by powers of ten, and what has happened at least once."""
+    lifted = (f"{name} wheel left the ground" for name, was in zip(WHEEL_NAMES, s.lifted, strict=True) if was)
+    empty = ("the battery was empty: no drive torque from it",) if s.battery_empty else ()
+    refused = (_REFUSED,) if s.engine.refused else ()
+    return (*guard_notes(s.guard), *lifted, *empty, *refused)
+
+
+_HALVINGS = 60  # of an interval of at most 1: to rounding
+
+
+def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
+    """Set wheels, carcasses and motors to what holds `c.initial_drive_torque` against the road at the car's speed.
+
+    The body does not accelerate: whatever holds its speed until the run begins takes the force of the tyres
+    in the plane of the road, so that drag and slope alone pitch it.
+    ParameterError if a tyre cannot hold its torque.
+    """
+    y, step, radius, speed = s.motion, Step(), c.body.wheel_radius, s.motion[state.VX]
+    find_road(y, c.body, step, c.road, True)
+    y[state.TRANSFER_X] = c.body.drag * abs(speed) * speed / car.mass - step.gravity_x
+    load = loads(y, car, step.gravity_z)
+    rolling = car.rolling_resistance + car.rolling_resistance_growth * speed * speed
+    for i in range(4):
+        asked, tyre, efficiency = c.initial_drive_torque[i], step.tyre[i], car.motor.gear_efficiency
+        torque = asked * efficiency if asked * speed > 0.0 else asked / efficiency
+        resistance = load[i] * (rolling + tyre.rolling_resistance)
+        force = torque / radius[i] - (resistance if speed > 0.0 else -resistance)
+        slip = _slip_at(car, Coefficients(tyre.c0, tyre.c1, tyre.c2, tyre.c3), abs(force) / max(load[i], 1e-9))
+        if slip is None:
+            raise ParameterError(
+                f"initial_drive_torque is {asked:g} N m at {WHEEL_NAMES[i]}, "
+                f"allowed is what its tyre holds, {tyre.friction * load[i] * radius[i]:.5g} N m"
+            )
+        # Slip is over the faster one of rim and road.
+        y[state.WHEEL_SPEED + i] = (speed / (1.0 - slip) if force * speed > 0.0 else speed * (1.0 - slip)) / radius[i]
+        y[state.SLIP_X + i] = slip if force >= 0.0 else -slip
+        y[state.DEFLECTION_X + i] = force / car.tyre.longitudinal_stiffness
+        s.motor_torque[i] = asked / car.gear[i] / car.motors[i]
+        s.mean_drive[i] = torque
+
+
+def _slip_at(car: Car, curve: Coefficients, use: float) -> float | None:
+    """The slip [1] on the rising part of the friction curve at a friction use [1]; None beyond its peak."""
+    kind = car.tyre.curve
+    low, high = 0.0, peak_slip(FRICTION_CURVES[int(kind)], tuple(curve))
+    if use > friction(kind, high, curve):
+        return None
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if friction(kind, middle, curve) < use:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+def begin(p: PlanarParameters, car: Car, c: PlanarConstants, kind: type[PlanarState] = PlanarState) -> Any:
+    """Rolling straight ahead, freely or driven, or, without speed, parked: the carcasses hold the car on its slope."""
+    s = kind()
+    s.x, s.y, s.state_of_charge = p.initial_x, p.initial_y, car.battery.state_of_charge
+    y = s.motion
+    y[state.VX], y[state.HEADING] = p.initial_speed, p.initial_heading
+    for i in range(4):
+        y[state.WHEEL_SPEED + i] = p.initial_speed / c.body.wheel_radius[i]
+        s.torque_share[i] = car.driven[i] / max(car.number_driven, 1.0)
+    if car.engine_driven == 1.0:
+        turning = (car.gear[i] * y[state.WHEEL_SPEED + i] for i in range(4) if car.driven[i] == 1.0)
+        begin_engine(s.engine, car.engine, c.power.gearbox, next(turning))
+    if p.initial_speed == 0.0:
+        _park(s, car, c)
+    if any(c.initial_drive_torque):
+        begin_driven(s, car, c)
+    keep_noted(s, car, c.road)
+    return s
+
+
+def _park(s: PlanarState, car: Car, c: PlanarConstants) -> None:
+    """Load the carcasses by the slope, each as far as its friction goes: a car on too steep a slope slides at once."""
+    y, step, front = s.motion, Step(), car.centre_of_mass_to_rear_axle / car.wheelbase
+    find_road(y, c.body, step, c.road, True)
+    y[state.TRANSFER_X], y[state.TRANSFER_Y] = -step.gravity_x, -step.gravity_y
+    step.load = list(loads(y, car, step.gravity_z))
+    look(y, car, c.body, step, True)
+    for i in range(4):
+        share = 0.5 * (front if i < 2 else 1.0 - front)
+        force_x, force_y = -share * car.mass * step.gravity_x, -share * car.mass * step.gravity_y
+        scale_x, scale_y = within_friction(car, step.contact, i, force_x, force_y)
+        y[state.DEFLECTION_X + i] = scale_x * force_x / car.tyre.longitudinal_stiffness
+        y[state.DEFLECTION_Y + i] = scale_y * force_y / car.tyre.lateral_stiffness
+
 
 Seen = tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces]
 PLANAR_SIGNALS: tuple[type, ...] = get_args(Seen)
@@ -34,21 +140,19 @@ PLANAR_SIGNALS: tuple[type, ...] = get_args(Seen)
 @compilable
 def outputs(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState) -> Seen:
     """All signals at the instant of the state; drive torques are means over the period before it."""
-    return seen(p, car, c, s, working_memory(STEP), working_memory(STAGES))
+    return seen(p, car, c, s, working_memory(STEP))
 
 
 @compilable
-def seen(
-    p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, steps: list[Step], stages: list[Stages]
-) -> Seen:
-    """The same, with what acts in memory that is handed over, of one record each."""
+def seen(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, steps: list[Step]) -> Seen:
+    """The same, with what acts in memory that is handed over, of one record."""
     y, step = s.motion, steps[0]
     step.imposed_acceleration = s.imposed_acceleration
     find_road(y, c.body, step, c.road, True)
     if s.faults.is_struck == 1.0:
         deflate(s.faults, p, car, c.body, step)
     steer(car, step, s.road_wheel_angle, s.rear_angle)
-    rates(y, stages[0].k1, p, car, c.body, step, True)
+    rates(y, step.stages.k1, p, car, c.body, step, True)
     shaft_speeds(car, y[state.WHEEL_SPEED : state.WHEEL_SPEED + 4], step.shaft)
     slip_x, slip_y = step.asked, step.target  # memory that nothing else needs here
     for i in range(4):
@@ -56,14 +160,17 @@ def seen(
         step.motor[i] = s.motor_torque[i] * car.motors[i]
         slip_x[i], sine = slips(y, car, c.body, step.contact, i)
         slip_y[i] = -asin(min(max(sine, -1.0), 1.0))
-    tyre = step.tyre
+    tyre, power, soc = step.tyre, c.power, s.state_of_charge
+    source, capacity = source_voltage(s, power), power.capacity / 3600.0
+    current = current_at_power(source, power.resistance, s.battery_power)
     return (
         WheelStates(wheels_from(y, state.WHEEL_ANGLE), wheels_from(y, state.WHEEL_SPEED), wheels_from(s.mean_drive, 0)),
         MotorStates(wheels_from(step.shaft, 0), wheels_from(step.motor, 0)),
         InertialMeasurement(y[state.YAW_RATE], step.acceleration_x, step.acceleration_y),
         BodyVelocity(y[state.VX], y[state.VY], y[state.YAW_RATE]),
         BodyPose(s.x, s.y, sin(y[state.HEADING] / 2), cos(y[state.HEADING] / 2)),
-        battery_condition(s, c.power),
+        # Under the power of the last step; the current counts into the battery.
+        BatteryCondition(source - power.resistance * current, -current, soc * capacity, capacity, soc),
         TireForces(
             wheels_from(step.force_x, 0),
             wheels_from(step.force_y, 0),
@@ -72,17 +179,6 @@ def seen(
             wheels_from(slip_y, 0),
             Wheels(tyre[0].friction, tyre[1].friction, tyre[2].friction, tyre[3].friction),
         ),
-    )
-
-
-@compilable
-def battery_condition(s: PlanarState, power: PowerConstants) -> BatteryCondition:
-    """Terminal values under the power of the last step; the current counts into the battery."""
-    source, resistance = source_voltage(s, power), power.resistance
-    current = current_at_power(source, resistance, s.battery_power)
-    capacity = power.capacity / 3600.0
-    return BatteryCondition(
-        source - resistance * current, -current, s.state_of_charge * capacity, capacity, s.state_of_charge
     )
 
 
