@@ -10,7 +10,7 @@ import itertools
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, nullcontext, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path, PurePosixPath
 
 from ev_core.parameters.data_file import TABLE, read_data
@@ -69,6 +69,17 @@ def is_file(path: Path) -> bool:
 def is_folder(path: Path) -> bool:
     """Whether it is a folder and no link to one."""
     return path.is_dir() and not path.is_symlink()
+
+
+@contextmanager
+def locked(folder: Path, how: int) -> Iterator[None]:
+    """A lock of a folder, as `fcntl.flock` takes it, for the block, or until this process and its children end."""
+    held = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(held, how)
+        yield
+    finally:
+        os.close(held)
 
 
 def digest_of(path: Path) -> str:
@@ -185,10 +196,8 @@ class OutputFolder:
 
     def _hold(self, folder: Path, locks: ExitStack) -> None:
         folder.mkdir(parents=True, exist_ok=True)
-        held = os.open(folder, os.O_RDONLY)
-        locks.callback(os.close, held)
         try:
-            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            locks.enter_context(locked(folder, fcntl.LOCK_EX | fcntl.LOCK_NB))
         except BlockingIOError:
             raise ParameterError(f"{folder}: another run is writing there, allowed is another folder") from None
 
