@@ -10,8 +10,7 @@ from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.recording.durable_bag import DurableBag
-from ev_sim.recording.files_of_run import SIGNALS
-from ev_sim.recording.recording import Recording
+from ev_sim.recording.recording import SIGNALS, Recording
 from ev_sim.recording.run_recorder import RunRecorder
 from ev_sim.recording.spool import MessageTable
 from ev_sim.replay.comparing import differences_of

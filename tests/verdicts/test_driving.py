@@ -18,8 +18,7 @@ from ev_sim.commands.run_scenario import main
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.output_folder import locked
 from ev_sim.study.study import CaseResult, drive_case
-from ev_sim.verdicts.driving import Kept, cases_of, drive
-from ev_sim.verdicts.need import ScenarioNeed, StudyNeed
+from ev_sim.verdicts.need import Kept, ScenarioNeed, StudyNeed, cases_of, drive
 
 HOLDING = ScenarioNeed("shchur2019_steps", runs=("hold_manual",), duration=0.1)
 SHORT_STUDY = StudyNeed("five_methods", ("--seeds", "1", "--drivers", "pulse"))

@@ -21,10 +21,10 @@ from ev_core.methods.register import CommonParameters
 from ev_core.parameters.values import check, entries_by_name, plain
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.fields import SignalError
-from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.batches import observer
 from ev_sim.batches.observer import Observation, Reduction, result
+from ev_sim.recording.offline import written_topics
 
 EVERY_ROLE = "*"
 _VEHICLE, _SENSORS = "vehicle.", "sensors."
@@ -279,8 +279,7 @@ def _shared_out(runs: int, workers: int) -> list[range]:
 
 def _refuse_channels(configurations: Mapping[str, Configuration], channels: Iterable[str]) -> None:
     """A channel that no method writes would be zero for ever."""
-    written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
-    known = [name for signal in frame.PLACES if signal in written for name in TOPICS[signal].channels]
+    known = [name for topic in written_topics(configurations) for name in topic.channels]
     for name in channels:
         if name not in known:
             raise unknown_name("channel", name, known)

@@ -14,8 +14,8 @@ from pathlib import Path
 from ev_msgs_py.refusal import LINE, quoted, shown, unknown_name
 from ev_sim.command_line.options import overrides, own_nodes
 from ev_sim.figures.saving import figure_files
-from ev_sim.recording.files_of_run import OF_ALL_RUNS
 from ev_sim.recording.outcome import Outcome, RunFailed, progress_bar
+from ev_sim.recording.recording import OF_ALL_RUNS
 from ev_sim.report.result import Result
 from ev_sim.report.tables import in_words, print_metrics
 from ev_sim.running.output_folder import OutputFolder
@@ -81,7 +81,7 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
     if not file or run.realtime:  # in real time the node that sends on the bus writes its log
         return _driven(run, directory, given)
     from ev_core.bus.channel import BusLog
-    from ev_sim.recording.truth import write_can_log
+    from ev_sim.recording.offline import write_can_log
 
     try:
         log = BusLog(str(directory / file))

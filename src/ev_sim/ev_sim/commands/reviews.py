@@ -21,9 +21,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.command_line.options import add_changes, add_outputs, command_of, overrides
 from ev_sim.command_line.refusal import Parser
-from ev_sim.recording.files_of_run import PAGE, SIGNALS, SUMMARY
 from ev_sim.recording.outcome import Outcome, bar_of_runs, progress_bar
-from ev_sim.recording.recording import load
+from ev_sim.recording.recording import PAGE, SIGNALS, SUMMARY, load
 from ev_sim.replay.comparing import differences_of
 from ev_sim.replay.graph import Replay, replay_of
 from ev_sim.replay.outputs import Replayed, prepared, replay_folder
@@ -35,8 +34,7 @@ from ev_sim.running.output_folder import OutputFolder, stays_within
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, CaseResult, Measure
 from ev_sim.study.workers import drive_cases
-from ev_sim.verdicts.driving import drive, kept_by_user
-from ev_sim.verdicts.need import Driven, Need
+from ev_sim.verdicts.need import Driven, Need, drive, kept_by_user
 from ev_sim.verdicts.panels_page import INDEX, draw_panels, file_name, images_by_id, panels
 from ev_sim.verdicts.panels_page import write_page as write_panels
 from ev_sim.verdicts.sources import sources

@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -22,8 +21,7 @@ from ev_msgs_py.refusal import ParameterError, quoted
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import stamp_of
 from ev_sim.recording.durable_bag import DurableBag
-from ev_sim.recording.files_of_run import BAG, SIGNALS
-from ev_sim.recording.recording import Recording, write_signals
+from ev_sim.recording.recording import BAG, SIGNALS, Recording, free_path, write_signals
 from ev_sim.recording.spool import BLOCK, MessageTable, Spool, SpooledTopic
 
 
@@ -135,7 +133,7 @@ class RunRecorder:
         self._before = before
         if self._bag is not None:
             self._bag.close()
-            self._directory.rename(_free(f"{self._directory}_before_reset_"))
+            self._directory.rename(free_path(Path(f"{self._directory}_before_reset_")))
             self._begin_bag()
 
     def took_all(self) -> None:
@@ -199,11 +197,6 @@ class RunRecorder:
         for topic, kept in zip(self._topics, self._messages, strict=True):
             if kept.count:
                 yield from zip(topic.channels, kept.series(steps), strict=True)
-
-
-def _free(name: str) -> Path:
-    """The first path NAME1, NAME2, ... that is free."""
-    return next(path for path in (Path(f"{name}{number}") for number in count(1)) if not os.path.lexists(path))
 
 
 def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path) -> None:

@@ -19,14 +19,12 @@ from ev_core.nodes.stop_request import StopRequest
 from ev_core.run_role import OF_ROS, node_maker, one_line, security_is_asked_for
 from ev_msgs_py.contract.roles import RECORDER
 from ev_sim.nodes.recorder import RecorderNode
-from ev_sim.recording.files_of_run import PARAMETERS, SIGNALS
 from ev_sim.recording.outcome import Outcome, Progress, RunFailed, announce
-from ev_sim.recording.recording import load
-from ev_sim.running.domain import free_domain, own_namespace
-from ev_sim.running.node_parameters import node_parameters, write_parameter_file
+from ev_sim.recording.recording import PARAMETERS, SIGNALS, load
+from ev_sim.running.domain import free_domain, own_namespace, real_bus
 from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible
 from ev_sim.running.observing import observing
-from ev_sim.running.real_bus import real_bus
+from ev_sim.running.offline import node_parameters, write_parameter_file
 from ev_sim.scenarios.scenario import Run
 
 _OBSERVER = "run_scenario"  # the name of what is in the graph beside the nodes

@@ -12,16 +12,14 @@ from ev_core.nodes.stop_request import StopRequest
 from ev_core.nodes.time_of_day import SetBack, ahead
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER
-from ev_sim.recording.files_of_run import PARAMETERS, SIGNALS
 from ev_sim.recording.outcome import Outcome, Progress, RunFailed, announce
-from ev_sim.recording.recording import load
-from ev_sim.running.domain import free_domain, own_namespace
-from ev_sim.running.node_parameters import node_parameters, write_parameter_file
+from ev_sim.recording.recording import PARAMETERS, SIGNALS, load
+from ev_sim.running.domain import free_domain, own_namespace, real_bus
 from ev_sim.running.node_process import NodeProcess, started_nodes
 from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible
 from ev_sim.running.observing import refuse_unready
+from ev_sim.running.offline import node_parameters, write_parameter_file
 from ev_sim.running.output_folder import forget_recording
-from ev_sim.running.real_bus import real_bus
 from ev_sim.scenarios.scenario import Run
 
 _TO_BEGIN = 3.0  # s for the first step behind a time of day that was set back; nodes announce themselves again

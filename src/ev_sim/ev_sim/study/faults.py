@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.methods.register import methods_of, node_package
 from ev_sim.driver.path import nearest, path_of
 from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Figure
@@ -18,7 +17,7 @@ from ev_sim.measures.metric import Metric, metric
 from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results
+from ev_sim.study.study import Case, Results, own_methods
 
 BEGIN = 5.0  # of the fault [s]
 DURATION = 10.0  # [s]
@@ -103,8 +102,7 @@ SHORTEST = BEGIN
 
 def laws() -> list[str]:
     """All electronic differentials of the package that brings the node; two of them on another column as well."""
-    own = [name for name, method in methods_of(ROLE).items() if method.package == node_package(ROLE)]
-    return [*own, *(name + POWERED for name in ("equal_torque", DRAWN))]
+    return [*own_methods(ROLE), *(name + POWERED for name in ("equal_torque", DRAWN))]
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

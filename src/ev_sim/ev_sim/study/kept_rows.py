@@ -25,9 +25,8 @@ import numpy as np
 from ev_core.methods.register import Method
 from ev_core.parameters.data_file import SIGNALS, config_folders, files_read, read_data
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.files_of_run import atomic_file
 from ev_sim.recording.outcome import RunFailed
-from ev_sim.recording.recording import Recording, save
+from ev_sim.recording.recording import Recording, atomic_file, save
 from ev_sim.report.summary import PACKAGES, versions
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, CaseResult, Measure, run_of

@@ -17,8 +17,8 @@ from ev_sim.command_line.refusal import Parser
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.measures.metric import Metric
-from ev_sim.recording.files_of_run import OF_ALL_RUNS, PAGE, SUMMARY
 from ev_sim.recording.outcome import RunFailed, bar_of_runs
+from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SUMMARY
 from ev_sim.report.summary import versions, write_summary
 from ev_sim.report.tables import TABLES, print_metrics, text_table, write_tables
 from ev_sim.running.output_folder import OutputFolder

@@ -15,6 +15,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from typing import TYPE_CHECKING
 
+from ev_sim.recording.offline import load_compiled
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.summary import versions
 from ev_sim.running.children import ends_with_us
@@ -204,7 +205,5 @@ def _drive_here(jobs: Sequence[Job], progress: Progress, count: int) -> list[Cas
 
 def _load(case: Case) -> None:
     """What driving a case needs is loaded once, for all workers that are forked then."""
-    from ev_sim.recording.offline import load_compiled
-
     with suppress(ValueError):  # a case that is refused comes back as refused when it is driven
         load_compiled(run_of(case).configurations)
