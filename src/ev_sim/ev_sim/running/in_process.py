@@ -22,8 +22,7 @@ from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.recording.outcome import Outcome, Progress, RunFailed, announce
 from ev_sim.recording.recording import PARAMETERS, SIGNALS, load
 from ev_sim.running.domain import free_domain, own_namespace, real_bus
-from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible
-from ev_sim.running.observing import observing
+from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible, observing
 from ev_sim.running.offline import node_parameters, write_parameter_file
 from ev_sim.scenarios.scenario import Run
 

@@ -21,8 +21,7 @@ from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.refusal import shown
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.children import ending_with_us, ends_with_us, same_addresses
-from ev_sim.running.node_reports import NodeReports
-from ev_sim.running.observing import enclave
+from ev_sim.running.node_reports import NodeReports, enclave
 from ev_sim.scenarios.scenario import Run
 
 

@@ -1,7 +1,8 @@
-"""What the nodes of a run report to the runner that has started them, each on its line (`nodes/runner_line.py`)."""
+"""What a runner sees of the nodes of a run: what each reports on its line, and the graph, by a node of its own."""
 
 from __future__ import annotations
 
+import os
 import secrets
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -10,18 +11,58 @@ from math import inf
 from typing import Any
 
 import numpy as np
+import rclpy
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
 
 from ev_core.lockstep.stepper import WRITERS
 from ev_core.lockstep.tally import Tally
 from ev_core.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME_SERVICE, TIMING, WAITS, WARNING, ListeningEnd, Word
+from ev_core.nodes.time_of_day import Alarm, refuse_late_time_of_day
+from ev_core.run_role import one_line, refuse_weak_security, security_is_asked_for
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, SIZE, places
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import shown
-from ev_sim.recording.outcome import announce
+from ev_sim.recording.outcome import RunFailed, announce
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
+
+
+@contextmanager
+def observing(namespace: str, domain: int, name: str) -> Iterator[Node]:
+    """A node in the graph of a domain; RunFailed where ROS 2 refuses it, as without keys, or fails."""
+    refuse_unready()
+    context = rclpy.Context()
+    try:
+        try:
+            rclpy.init(args=enclave(name, namespace), context=context, domain_id=domain)
+            observer = Node(name, context=context, namespace=namespace, start_parameter_services=False)
+        except RuntimeError as error:
+            raise RunFailed(one_line(error)) from None
+        with Alarm(observer):
+            yield observer
+        observer.destroy_node()
+    except rclpy_implementation.RCLError as error:
+        raise RunFailed(one_line(error)) from None
+    finally:
+        context.try_shutdown()
+
+
+def refuse_unready() -> None:
+    """RunFailed where ROS 2 would leave security away in silence, or could send nothing at this time of day."""
+    try:
+        refuse_weak_security(os.environ)
+        refuse_late_time_of_day()
+    except RuntimeError as error:
+        raise RunFailed(one_line(error)) from None
+
+
+def enclave(node: str, namespace: str) -> list[str]:
+    """The ROS arguments that name the keys of a process, where security is asked for."""
+    return ["--ros-args", "--enclave", f"{namespace}/{node}"] if security_is_asked_for(os.environ) else []
+
 
 _BLOCK = 256  # steps
 _NAMED = 20  # warnings; more than these are counted only

@@ -16,8 +16,7 @@ from ev_sim.recording.outcome import Outcome, Progress, RunFailed, announce
 from ev_sim.recording.recording import PARAMETERS, SIGNALS, load
 from ev_sim.running.domain import free_domain, own_namespace, real_bus
 from ev_sim.running.node_process import NodeProcess, started_nodes
-from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible
-from ev_sim.running.observing import refuse_unready
+from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible, refuse_unready
 from ev_sim.running.offline import node_parameters, write_parameter_file
 from ev_sim.running.output_folder import forget_recording
 from ev_sim.scenarios.scenario import Run
