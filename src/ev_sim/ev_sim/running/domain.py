@@ -11,13 +11,17 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ev_core.bus.parameters import CIRCUITS, LOOPBACK, BusInterface
 from ev_core.bus.socketcand_hub import HOST
+from ev_core.nodes.stop_request import StopRequest
 from ev_sim.recording.outcome import RunFailed, announce
+from ev_sim.recording.recording import PARAMETERS
 from ev_sim.running.children import ends_with_us
+from ev_sim.running.offline import node_parameters, write_parameter_file
 from ev_sim.scenarios.scenario import Run
 
 _RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -26,6 +30,31 @@ _LAST = 232  # whose ports still are ports
 _FIRST_PORT, _PORTS_PER_DOMAIN = 7400, 250  # of DDS: multicast discovery of a domain
 _PARTICIPANTS = 32  # among which nodes look for each other (config/fastdds.xml)
 _UNICAST = 10  # offset of the first participant's port
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a run is driven over DDS: the parameters of its nodes by name, also as a file in its folder."""
+
+    run: Run
+    directory: Path
+    domain: int
+    parameters: dict[str, dict[str, Any]]
+    stop: StopRequest
+
+
+@contextmanager
+def own_place(run: Run, directory: Path, bag: bool) -> Iterator[Place]:
+    """A domain, names and a bus for one run; RunFailed if one of them cannot be had."""
+    with (
+        free_domain() as domain,
+        own_namespace(domain, run.namespace),
+        StopRequest(patient=True) as stop,
+        real_bus(run, domain, directory) as bus,
+    ):
+        parameters = node_parameters(run, directory, bag, bus)
+        write_parameter_file(directory / PARAMETERS, run, parameters)
+        yield Place(run, directory, domain, parameters, stop)
 
 
 class NoFreeDomain(RunFailed):

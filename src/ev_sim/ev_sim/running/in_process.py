@@ -15,15 +15,13 @@ from rclpy.parameter import Parameter
 from ev_core.nodes.runner_line import RUNNER_LINE
 from ev_core.nodes.spinning import spin
 from ev_core.nodes.stepped_node import SteppedNode
-from ev_core.nodes.stop_request import StopRequest
 from ev_core.run_role import OF_ROS, node_maker, one_line, security_is_asked_for
 from ev_msgs_py.contract.roles import RECORDER
 from ev_sim.nodes.recorder import RecorderNode
-from ev_sim.recording.outcome import Outcome, Progress, RunFailed, announce
-from ev_sim.recording.recording import PARAMETERS, SIGNALS, load
-from ev_sim.running.domain import free_domain, own_namespace, real_bus
-from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible, observing
-from ev_sim.running.offline import node_parameters, write_parameter_file
+from ev_sim.recording.outcome import Outcome, Progress, RunFailed
+from ev_sim.recording.recording import SIGNALS, load
+from ev_sim.running.domain import own_place
+from ev_sim.running.node_reports import NodeReports, node_reports, observing
 from ev_sim.scenarios.scenario import Run
 
 _OBSERVER = "run_scenario"  # the name of what is in the graph beside the nodes
@@ -39,18 +37,12 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
         raise RunFailed("--in-process: DDS security gives keys to processes, not to nodes; drive one process per node")
     nodes: list[SteppedNode] = []
     with (
-        free_domain() as domain,
-        own_namespace(domain, run.namespace),
-        StopRequest(patient=True) as stop,
-        observing(run.namespace, domain, _OBSERVER) as observer,
-        node_reports(run.namespace) as reports,
-        real_bus(run, domain, directory) as bus,
+        own_place(run, directory, bag) as place,
+        observing(run.namespace, place.domain, _OBSERVER) as observer,
+        node_reports(place) as reports,
     ):
-        parameters = node_parameters(run, directory, bag, bus)
-        write_parameter_file(directory / PARAMETERS, run, parameters)
-        announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         try:
-            for name, values in parameters.items():
+            for name, values in place.parameters.items():
                 with _line(reports, name, not run.realtime):
                     nodes.append(_node(name, run.namespace, values, observer.context))
             recorder = nodes[-1]
@@ -62,7 +54,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
                     reports.look()
                     progress(reports.time)
                     next_look = time.monotonic() + _LOOK_PERIOD
-                return recorder.done or stop.received
+                return recorder.done or place.stop.received
 
             start = time.monotonic()
             spin(nodes, finished)
@@ -77,8 +69,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
                 node.close()
                 node.destroy_node()
             reports.look()
-    recording = load(directory / SIGNALS)
-    return Outcome(recording, wall_time, not_reproducible(run, reports, recording), reports.notes, reports.timing)
+    return reports.outcome(load(directory / SIGNALS), wall_time)
 
 
 @contextmanager

@@ -25,8 +25,9 @@ from ev_msgs_py.contract.frame import PLACES, SIZE, places
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import shown
-from ev_sim.recording.outcome import RunFailed, announce
+from ev_sim.recording.outcome import Outcome, RunFailed, announce
 from ev_sim.recording.recording import Recording
+from ev_sim.running.domain import Place
 from ev_sim.scenarios.scenario import Run
 
 
@@ -72,13 +73,13 @@ _WRITER_OF = {TOPICS[signal].name: writer for signal, writer in WRITERS.items()}
 class NodeReports:
     """Simulated time, lines for the user, and whether the nodes of the run have taken messages of each other alone."""
 
-    def __init__(self, namespace: str) -> None:
+    def __init__(self, run: Run) -> None:
         self.time = 0.0
         self._warnings: dict[str, None] = {}
         self._more_warnings = 0
         self.timing: dict[str, Any] = {}  # how well real time was kept, as the master reports at its end
         self.rests = False  # whether a service has stopped time
-        self._namespace = namespace.rstrip("/")
+        self._run = run
         self._key = secrets.token_bytes()
         self._lines: dict[str, ListeningEnd] = {}
         self._words: list[str] = []
@@ -132,7 +133,7 @@ class NodeReports:
                     self._noted.setdefault(node, f"node {node} has told what cannot be read: {shown(message)}")
 
     def _take(self, node: str, word: Word) -> None:
-        text = f"{self._namespace}/{node}: {shown(word.text)}"
+        text = f"{self._run.namespace.rstrip('/')}/{node}: {shown(word.text)}"
         if word.kind == PROGRESS:
             self.time = stamps.to_seconds(int(word.values["stamp"]))
         elif word.kind == WAITS:
@@ -183,6 +184,12 @@ class NodeReports:
             tally.add(step, at, at)
         return tally.newest(len(recording.time) - 1, -1)
 
+    def outcome(self, recording: Recording, wall_time: float) -> Outcome:
+        """What a run has given that was driven over DDS, and why it may not give the same numbers again."""
+        by_the_clock = ["driven by the wall clock"] if self._run.realtime else []
+        reasons = (*by_the_clock, *self.warnings, *self.others_heard(recording))
+        return Outcome(recording, wall_time, reasons, self.notes, self.timing)
+
     def close(self) -> None:
         """Hang up."""
         for line in self._lines.values():
@@ -195,9 +202,10 @@ def _differ(taken: Mapping[str, int], sent: Mapping[str, int]) -> bool:
 
 
 @contextmanager
-def node_reports(namespace: str) -> Iterator[NodeReports]:
+def node_reports(place: Place) -> Iterator[NodeReports]:
     """For the time of a run; where that does not come to its end, what was noted is printed all the same."""
-    found = NodeReports(namespace)
+    announce(f"{place.run.name}: ROS_DOMAIN_ID={place.domain}, namespace {place.run.namespace}")
+    found = NodeReports(place.run)
     try:
         yield found
     except BaseException:
@@ -207,12 +215,3 @@ def node_reports(namespace: str) -> Iterator[NodeReports]:
         raise
     finally:
         found.close()
-
-
-def not_reproducible(run: Run, reports: NodeReports, recording: Recording) -> tuple[str, ...]:
-    """Why a run that was driven over DDS may not give the same numbers again."""
-    return (
-        *(["driven by the wall clock"] if run.realtime else []),
-        *reports.warnings,
-        *reports.others_heard(recording),
-    )

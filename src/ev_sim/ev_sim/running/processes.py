@@ -8,16 +8,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ev_core.node_loop import ordinary_steps
-from ev_core.nodes.stop_request import StopRequest
 from ev_core.nodes.time_of_day import SetBack, ahead
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER
 from ev_sim.recording.outcome import Outcome, Progress, RunFailed, announce
-from ev_sim.recording.recording import PARAMETERS, SIGNALS, load
-from ev_sim.running.domain import free_domain, own_namespace, real_bus
+from ev_sim.recording.recording import SIGNALS, load
+from ev_sim.running.domain import Place, own_place
 from ev_sim.running.node_process import NodeProcess, started_nodes
-from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible, refuse_unready
-from ev_sim.running.offline import node_parameters, write_parameter_file
+from ev_sim.running.node_reports import NodeReports, node_reports, refuse_unready
 from ev_sim.running.output_folder import forget_recording
 from ev_sim.scenarios.scenario import Run
 
@@ -119,8 +117,9 @@ _TO_CATCH_UP = 20.0  # s more for a recorder behind a plant in real time that ha
 class WatchedRun:
     """Follows simulated time and the processes of a run, and names the node that does not answer."""
 
-    def __init__(self, run: Run, nodes: Sequence[NodeProcess], reports: NodeReports) -> None:
-        self._run, self._nodes, self._reports = run, nodes, reports
+    def __init__(self, place: Place, nodes: Sequence[NodeProcess], reports: NodeReports) -> None:
+        run = place.run
+        self._place, self._run, self._nodes, self._reports = place, run, nodes, reports
         self._last = stamps.to_seconds(stamps.from_seconds(run.duration) // run.period * run.period)
         answer_timeout = run.configurations[MASTER].extra.answer_timeout
         pids = {node.name: node.process.pid for node in nodes}
@@ -129,14 +128,14 @@ class WatchedRun:
         self._began: float | None = None  # wall time of the last look at a car at rest in time
         self._arrived: float | None = None  # wall time of the first look at a car at its last instant
 
-    def drive(self, beginning: Beginning, progress: Progress, stop: StopRequest) -> bool:
+    def drive(self, beginning: Beginning, progress: Progress) -> bool:
         """Watch the run up to its end; False, with a line, where it has not begun and never will.
 
         RunFailed if a node ends before the run does, KeyboardInterrupt if a stop is asked for.
         """
         ending = {MASTER, RECORDER}
         while ending:
-            if stop.received:
+            if self._place.stop.received:
                 raise KeyboardInterrupt
             looked = time.monotonic()
             time.sleep(_LOOK_PERIOD)
@@ -153,15 +152,14 @@ class WatchedRun:
         progress(self._run.duration)
         return True
 
-    def outcome(self, directory: Path) -> Outcome:
+    def outcome(self) -> Outcome:
         """What a run gave that has come to its end, and its nodes as well; RunFailed if its recorder was stopped."""
         self._reports.look()
-        recording = load(directory / SIGNALS)
+        recording = load(self._place.directory / SIGNALS)
         if recording.time[-1] < self._last - 0.5 * stamps.to_seconds(self._run.period):  # real time does not wait
             raise RunFailed(f"node {RECORDER} was stopped, at {recording.time[-1]:g} s of simulated time")
         wall_time = self._arrived - self._began if self._arrived and self._began else 0.0
-        warnings = not_reproducible(self._run, self._reports, recording)
-        return Outcome(recording, wall_time, warnings, self._reports.notes, self._reports.timing)
+        return self._reports.outcome(recording, wall_time)
 
     def _follow_time(self, looked: float) -> None:
         before = self._reports.time
@@ -201,23 +199,14 @@ def run_in_processes(
     came. All nodes are stopped then.
     """
     refuse_unready()
-    file = directory / PARAMETERS
     ordinary_steps.keep_code()  # updated sources do not mean a new set-up
-    with (
-        free_domain() as domain,
-        own_namespace(domain, run.namespace),
-        StopRequest(patient=True) as stop,
-        real_bus(run, domain, directory) as bus,
-    ):
-        parameters = node_parameters(run, directory, bag, bus)
-        write_parameter_file(file, run, parameters)
+    with own_place(run, directory, bag) as place:
         while True:
             beginning = Beginning(patient=bool(own_nodes))
-            with node_reports(run.namespace) as reports:
-                announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
-                with started_nodes(parameters, own_nodes or {}, run, file, domain, reports) as nodes:
-                    watched = WatchedRun(run, nodes, reports)
-                    has_begun = watched.drive(beginning, progress, stop)
+            with node_reports(place) as reports:
+                with started_nodes(place, own_nodes or {}, reports) as nodes:
+                    watched = WatchedRun(place, nodes, reports)
+                    has_begun = watched.drive(beginning, progress)
                 if has_begun:  # all have reported their last
-                    return watched.outcome(directory)
+                    return watched.outcome()
             forget_recording(directory)
