@@ -17,7 +17,7 @@ PIDS = dict.fromkeys(("plant", "driver", "electronic_differential", "asr", "reco
 
 def named(waits: dict[str, tuple[str, ...]], realtime: bool = False, pids: dict[str, int] = PIDS) -> str | None:
     """The line about a run that has come to 1 s of simulated time, and has stood still for long."""
-    told = Told(SimpleNamespace(namespace="/ev"))
+    told = Told("/ev")
     told.time = 1.0
     for node, whom in waits.items():
         told._take(node, Word(WAITS, values={"whom": list(whom)}))
@@ -50,7 +50,7 @@ def test_behind_the_end_of_the_plant_only_the_recorder_is_left():
 
 
 def test_a_run_that_goes_on_or_rests_is_not_named_and_what_was_said_long_ago_does_not_count(monkeypatch):
-    told = Told(SimpleNamespace(namespace="/ev"))
+    told = Told("/ev")
     hanging = Hanging(told, PIDS, 0.0, realtime=False)
     told.rests, hanging._since = True, time.monotonic() - 100.0
     assert hanging.look() is None
@@ -77,7 +77,7 @@ def test_a_node_says_for_whom_it_waits_once_its_steps_stand_still(monkeypatch):
 
 def test_a_plant_that_waits_for_nothing_but_its_pace_does_not_hang(monkeypatch):
     """At `real_time_factor` 0.004 a step takes 2.5 s: "node plant does not answer" was said at each of them."""
-    told, now = Told(SimpleNamespace(namespace="/ev")), [0.0]
+    told, now = Told("/ev"), [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
     plant = object.__new__(MasterNode)
     plant.done, plant._go_on, plant._retry_period = False, lambda: None, 0.05

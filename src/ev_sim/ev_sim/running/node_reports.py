@@ -28,7 +28,6 @@ from ev_msgs_py.refusal import shown
 from ev_sim.recording.outcome import Outcome, RunFailed, announce
 from ev_sim.recording.recording import Recording
 from ev_sim.running.domain import Place
-from ev_sim.scenarios.scenario import Run
 
 
 @contextmanager
@@ -73,13 +72,13 @@ _WRITER_OF = {TOPICS[signal].name: writer for signal, writer in WRITERS.items()}
 class NodeReports:
     """Simulated time, lines for the user, and whether the nodes of the run have taken messages of each other alone."""
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, namespace: str, realtime: bool = False) -> None:
         self.time = 0.0
         self._warnings: dict[str, None] = {}
         self._more_warnings = 0
         self.timing: dict[str, Any] = {}  # how well real time was kept, as the master reports at its end
         self.rests = False  # whether a service has stopped time
-        self._run = run
+        self._namespace, self._realtime = namespace.rstrip("/"), realtime
         self._key = secrets.token_bytes()
         self._lines: dict[str, ListeningEnd] = {}
         self._words: list[str] = []
@@ -133,7 +132,7 @@ class NodeReports:
                     self._noted.setdefault(node, f"node {node} has told what cannot be read: {shown(message)}")
 
     def _take(self, node: str, word: Word) -> None:
-        text = f"{self._run.namespace.rstrip('/')}/{node}: {shown(word.text)}"
+        text = f"{self._namespace}/{node}: {shown(word.text)}"
         if word.kind == PROGRESS:
             self.time = stamps.to_seconds(int(word.values["stamp"]))
         elif word.kind == WAITS:
@@ -186,7 +185,7 @@ class NodeReports:
 
     def outcome(self, recording: Recording, wall_time: float) -> Outcome:
         """What a run has given that was driven over DDS, and why it may not give the same numbers again."""
-        by_the_clock = ["driven by the wall clock"] if self._run.realtime else []
+        by_the_clock = ["driven by the wall clock"] if self._realtime else []
         reasons = (*by_the_clock, *self.warnings, *self.others_heard(recording))
         return Outcome(recording, wall_time, reasons, self.notes, self.timing)
 
@@ -205,7 +204,7 @@ def _differ(taken: Mapping[str, int], sent: Mapping[str, int]) -> bool:
 def node_reports(place: Place) -> Iterator[NodeReports]:
     """For the time of a run; where that does not come to its end, what was noted is printed all the same."""
     announce(f"{place.run.name}: ROS_DOMAIN_ID={place.domain}, namespace {place.run.namespace}")
-    found = NodeReports(place.run)
+    found = NodeReports(place.run.namespace, place.run.realtime)
     try:
         yield found
     except BaseException:
