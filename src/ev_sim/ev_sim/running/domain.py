@@ -54,6 +54,7 @@ def own_place(run: Run, directory: Path, bag: bool) -> Iterator[Place]:
     ):
         parameters = node_parameters(run, directory, bag, bus)
         write_parameter_file(directory / PARAMETERS, run, parameters)
+        announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         yield Place(run, directory, domain, parameters, stop)
 
 

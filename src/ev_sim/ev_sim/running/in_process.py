@@ -39,7 +39,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
     with (
         own_place(run, directory, bag) as place,
         observing(run.namespace, place.domain, _OBSERVER) as observer,
-        node_reports(place) as reports,
+        node_reports(run.namespace, run.realtime) as reports,
     ):
         try:
             for name, values in place.parameters.items():

@@ -27,7 +27,6 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import shown
 from ev_sim.recording.outcome import Outcome, RunFailed, announce
 from ev_sim.recording.recording import Recording
-from ev_sim.running.domain import Place
 
 
 @contextmanager
@@ -201,10 +200,9 @@ def _differ(taken: Mapping[str, int], sent: Mapping[str, int]) -> bool:
 
 
 @contextmanager
-def node_reports(place: Place) -> Iterator[NodeReports]:
+def node_reports(namespace: str, realtime: bool = False) -> Iterator[NodeReports]:
     """For the time of a run; where that does not come to its end, what was noted is printed all the same."""
-    announce(f"{place.run.name}: ROS_DOMAIN_ID={place.domain}, namespace {place.run.namespace}")
-    found = NodeReports(place.run.namespace, place.run.realtime)
+    found = NodeReports(namespace, realtime)
     try:
         yield found
     except BaseException:

@@ -203,7 +203,7 @@ def run_in_processes(
     with own_place(run, directory, bag) as place:
         while True:
             beginning = Beginning(patient=bool(own_nodes))
-            with node_reports(place) as reports:
+            with node_reports(run.namespace, run.realtime) as reports:
                 with started_nodes(place, own_nodes or {}, reports) as nodes:
                     watched = WatchedRun(place, nodes, reports)
                     has_begun = watched.drive(beginning, progress)
