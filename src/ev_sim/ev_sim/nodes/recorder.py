@@ -26,7 +26,7 @@ from ev_msgs_py.contract.roles import MASTER, RECORDER, RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import stamp_of
-from ev_sim.recording.run_recorder import OutputOfRun, RecorderParameters, RunRecorder
+from ev_sim.recording.run_recorder import RecorderParameters, RunRecorder
 
 _Add = Callable[[list[bytes], list[int]], None]  # takes messages, and when they came [ns]
 POLL_PERIOD = 0.01  # s; several steps are taken in one go, which costs less than waking up for each message
@@ -105,24 +105,24 @@ class RecorderNode(Node):
 
     done = False
     polling_place = len(ROLES)  # behind all that it records
-    _output: OutputOfRun | None = None  # until there is something to write
+    _recorder: RunRecorder | None = None  # until there is something to write
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__("recorder", automatically_declare_parameters_from_overrides=True, **node_arguments)
         p = build(RecorderParameters, ros_parameters.overrides(self))
         ros_parameters.declare(self, entries(p))
         topics = [topic for topic in TOPICS.values() if topic.name in p.topics]
-        self._output = OutputOfRun(p, topics, [self.resolve_topic_name(topic.name) for topic in topics])
+        self._recorder = RunRecorder(p, topics, [self.resolve_topic_name(topic.name) for topic in topics])
         try:
             self._begin(p, topics)
         except BaseException:  # nobody has this node, to close it: its bag would be written on after the last word
-            self._output.write()
+            self._recorder.close()
             raise
 
     def _begin(self, p: RecorderParameters, topics: list[Topic]) -> None:
         self._reports = Reports(self, RECORDER)
         self._waiting = Waiting(self._reports.runner)
-        self._input = RecorderInput(self, topics, self._output.recorder, p.bag, self._reports)
+        self._input = RecorderInput(self, topics, self._recorder, p.bag, self._reports)
         self._told = -1
         self._asked_since = 0.0  # wall time at which the master waited for us first
         self._progress = SignalWriter(self, TOPICS[RECORDER_WRITES])
@@ -150,7 +150,7 @@ class RecorderNode(Node):
 
     def idle(self) -> None:
         """Tell how far the recording is, and end it when it is complete."""
-        recorder = self._output.recorder
+        recorder = self._recorder
         recorder.took_all()
         held = recorder.held_stamp
         self._waiting.look(held, (MASTER,))
@@ -164,7 +164,7 @@ class RecorderNode(Node):
             self._told, recorder.asked = held, False
         if recorder.loss:
             raise RuntimeError(f"the recording has a gap: {recorder.loss}")
-        if self._output.is_complete:
+        if recorder.is_complete:
             self._wait_for_the_master()
             self.close()
             self.done = True
@@ -188,8 +188,8 @@ class RecorderNode(Node):
 
     def close(self) -> None:
         """Leave nothing unwritten behind."""
-        if self._output is not None:
-            self._output.write()
+        if self._recorder is not None:
+            self._recorder.close()
         self._reports.runner.close()
 
 
