@@ -43,7 +43,7 @@ class Variation:
         self, configurations: Mapping[str, Configuration], vary: Mapping[str, Iterable[Any]], runs: Mapping[str, int]
     ) -> None:
         self._configurations = configurations
-        columns = {name: _column(values) for name, values in vary.items()}
+        columns = {name: list(map(plain, plain(values))) for name, values in vary.items()}
         lengths = {name: len(column) for name, column in columns.items()}
         lengths.update({f"initial_states of {role}": count for role, count in runs.items()})
         if len(set(lengths.values())) > 1:
@@ -100,10 +100,6 @@ class Variation:
         return any(name not in seed and not name.startswith(_SENSORS) for name in self._by_role[role])
 
 
-def _column(values: Iterable[Any]) -> list[Any]:
-    return list(map(plain, plain(values)))
-
-
 class _Placed(NamedTuple):
     """A part of a role, which runs may share, and a state of a run's own."""
 
@@ -135,7 +131,12 @@ class Runs:
         times: np.ndarray,
     ) -> None:
         for role, configuration in configurations.items():
-            _refuse_interpreted(role, configuration)
+            law = configuration.method.law
+            if law is None or not law.is_compilable:
+                raise ParameterError(
+                    f"{role} method {configuration.method.name} runs in plain Python, allowed in a batch are methods "
+                    "that run compiled"
+                )
         self._answering, self._integrating = roles_in_order(configurations)
         self._base, self._initial_states = configurations, initial_states
         self._observation, self._times = observation, times
@@ -187,15 +188,6 @@ class Runs:
         writes = frame.span(configuration.method.writes)
         placed = [_Placed(role, writes, part, state.copy())]
         return [*placed, *(_Placed(role, writes, behind, behind.state) for behind in row_parts(configuration))]
-
-
-def _refuse_interpreted(role: str, configuration: Configuration) -> None:
-    law = configuration.method.law
-    if law is None or not law.is_compilable:
-        raise ParameterError(
-            f"{role} method {configuration.method.name} runs in plain Python, allowed in a batch are methods that "
-            "run compiled"
-        )
 
 
 def _refuse_states(role: str, states: np.ndarray, size: int) -> None:
