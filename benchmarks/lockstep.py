@@ -31,9 +31,9 @@ from ev_core.run_role import make_node
 from ev_sim.recording.offline import run_offline
 from ev_sim.running.children import same_addresses
 from ev_sim.running.domain import free_domain
-from ev_sim.running.in_process import parameter_overrides
-from ev_sim.running.node_parameters import RECORDER, node_parameters, write_parameter_file
 from ev_sim.running.node_process import command
+from ev_sim.running.offline import RECORDER, node_parameters, write_parameter_file
+from ev_sim.running.processes import parameter_overrides
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 STEPS_PER_SECOND = re.compile(r"([\d.]+) steps/s")

@@ -30,8 +30,8 @@ from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.body import Equations
+from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE
 from ev_sim.scenarios.about import vehicle_of
 

@@ -19,8 +19,7 @@ from unittest import mock
 import numpy as np
 
 from ev_sim.running import node_reports
-from ev_sim.running.in_process import run_in_process
-from ev_sim.running.processes import run_in_processes
+from ev_sim.running.processes import run_in_process, run_in_processes
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 

@@ -7,8 +7,7 @@ from dataclasses import replace
 from functools import cache
 
 from ev_sim.study.study import Case, CaseResult, Measure, drive_case
-from ev_sim.verdicts.driving import Kept, drive, kept_by_user
-from ev_sim.verdicts.need import Driven, Need, ScenarioNeed, Value
+from ev_sim.verdicts.need import Driven, Kept, Need, ScenarioNeed, Value, drive, kept_by_user
 from ev_sim.verdicts.sources import Published, published, sources
 from ev_sim.verdicts.verdict import Verdict, verdict
 

@@ -10,8 +10,7 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.measures.metric import Metric, Reference, within
-from ev_sim.recording.files_of_run import PAGE
-from ev_sim.recording.recording import Recording
+from ev_sim.recording.recording import PAGE, Recording
 from ev_sim.report.page.writing import Image, Page, Signals, write_page
 from ev_sim.report.summary import Difference, Summary
 

@@ -36,7 +36,7 @@ from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import load, signal_hash
 from ev_sim.running.domain import free_domain
-from ev_sim.running.node_parameters import RECORDER, node_parameters
+from ev_sim.running.offline import RECORDER, node_parameters
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 NAMESPACE = "/ev"

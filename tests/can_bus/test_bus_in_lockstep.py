@@ -15,11 +15,9 @@ from can_bus.lockstep_runs import HEALTHY, driven
 
 from ev_core.bus.channel import BusLog
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.offline import run_offline
+from ev_sim.recording.offline import logged_frames, run_offline, write_can_log
 from ev_sim.recording.recording import Recording, signal_hash
-from ev_sim.recording.truth import logged_frames, write_can_log
-from ev_sim.running.in_process import run_in_process
-from ev_sim.running.processes import run_in_processes
+from ev_sim.running.processes import run_in_process, run_in_processes
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.study import bench_faults
 from ev_sim.study.bench_faults import FAULTS, trial

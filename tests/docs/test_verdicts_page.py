@@ -10,8 +10,7 @@ from documentation.measured import is_long, read_measured, sample
 from documentation.verdict_tables import COUNTS, PAGE, count_table, rows
 from ev_sim.study.study import study_named
 from ev_sim.study.workers import drive_cases
-from ev_sim.verdicts.driving import cases_of
-from ev_sim.verdicts.need import Driven, Need, StudyNeed
+from ev_sim.verdicts.need import Driven, Need, StudyNeed, cases_of
 from ev_sim.verdicts.sources import Published, published, sources
 from ev_sim.verdicts.verdict import markdown_row, verdict, wanted
 

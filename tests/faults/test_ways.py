@@ -11,8 +11,7 @@ from fake_network import FakeNetwork, Faults
 from ev_core.lockstep.configuration import Configuration
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording, signal_hash
-from ev_sim.running.in_process import run_in_process
-from ev_sim.running.processes import run_in_processes
+from ev_sim.running.processes import run_in_process, run_in_processes
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 FAULTS = {

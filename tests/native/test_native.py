@@ -17,8 +17,7 @@ from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.interface.simulation import SteppedLaw
 from ev_sim.recording.recording import signal_hash
-from ev_sim.running.in_process import run_in_process
-from ev_sim.running.processes import run_in_processes
+from ev_sim.running.processes import run_in_process, run_in_processes
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples" / "c_library"

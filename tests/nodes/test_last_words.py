@@ -9,7 +9,7 @@ from ros_graph import ros_domain
 from ev_core.nodes.ending import wait_until_heard
 from ev_core.nodes.master.node import MasterNode
 from ev_msgs_py.contract.signals import BodyVelocity
-from ev_sim.running.in_process import parameter_overrides
+from ev_sim.running.processes import parameter_overrides
 
 
 class Publisher:

@@ -122,14 +122,10 @@ def test_quality_of_service_is_that_of_the_publisher(tmp_path: Path):
     """`ros2 bag play` offers what is written here."""
     with DurableBag(tmp_path / "bag") as bag:
         bag.add_topic("/command", INT64, depth=3)
-        bag.add_topic("/clock", "rosgraph_msgs/msg/Clock", depth=1, reliable=False)
-        bag.add_topic("/description", "std_msgs/msg/String", depth=1, transient_local=True)
     with Reader(tmp_path / "bag") as reader:
         offered = {topic.topic: topic.ext.offered_qos_profiles[0] for topic in reader.connections}
     assert {name: (quality.depth, quality.reliability, quality.durability) for name, quality in offered.items()} == {
         "/command": (3, QosReliability.RELIABLE, QosDurability.VOLATILE),
-        "/clock": (1, QosReliability.BEST_EFFORT, QosDurability.VOLATILE),
-        "/description": (1, QosReliability.RELIABLE, QosDurability.TRANSIENT_LOCAL),
     }
     assert all(quality.history is QosHistory.KEEP_LAST for quality in offered.values())
 

@@ -12,7 +12,7 @@ from rosbags.highlevel import AnyReader
 from ev_sim.recording.durable_bag import DurableBag
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.run_recorder import write_bag
-from ev_sim.running.node_parameters import recorded_topics
+from ev_sim.running.offline import recorded_topics
 
 
 @pytest.mark.parametrize("late", [False, True], ids=["on the way", "at the last message"])

@@ -20,12 +20,17 @@ from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of, stamp_of
 from ev_sim.recording import spool
 from ev_sim.recording.recording import Recording, load, save
-from ev_sim.recording.run_recorder import RunRecorder
+from ev_sim.recording.run_recorder import RecorderParameters, RunRecorder
 from ev_sim.recording.spool import MessageTable
 
 PERIOD = 10_000_000  # ns
 NAMES = ("imu", "driver/command", "torque_request")  # the first one is the master's
 USED = [topic for name in NAMES for topic in TOPICS.values() if topic.name == name]
+
+
+def recorder_in(folder: Path, **changed) -> RunRecorder:
+    p = RecorderParameters(str(folder), bag=False, control_period=PERIOD / 1e9, **changed)
+    return RunRecorder(p, USED, NAMES)
 
 
 def message(topic: Topic, step: int, value: float, run: int = 0) -> bytes:
@@ -93,7 +98,7 @@ def test_what_is_held_is_what_has_come(
     """Repeated, missing and skipped steps, the end of the run, resets; blocks of four steps have many borders."""
     folder = tmp_path_factory.mktemp("recorder")
     with patch.object(spool, "BLOCK", 4):
-        recorder = RunRecorder(USED, NAMES, PERIOD, folder, False, may_skip, last * PERIOD)
+        recorder = recorder_in(folder, mode="realtime" if may_skip else "lockstep", duration=last * PERIOD / 1e9)
         expected = KeepsAll(may_skip, last)
         for word in words:
             if word is None:
@@ -109,7 +114,7 @@ def test_what_is_held_is_what_has_come(
             assert recorder.held == (expected.steps() - 1) * PERIOD
             assert bool(recorder.loss) == expected.loss
             assert recorder.silent == [name for name, kept in zip(NAMES, expected.kept, strict=True) if not kept]
-        recorder.close(folder / "signals.npz")
+        recorder.close()
     assert [path.name for path in folder.iterdir()] == ["signals.npz"]
     save(expected.recording(), folder / "expected.npz")
     assert (folder / "signals.npz").read_bytes() == (folder / "expected.npz").read_bytes()
@@ -118,26 +123,26 @@ def test_what_is_held_is_what_has_come(
 @pytest.mark.parametrize(("run", "held"), [(RUN, 0), (0, -PERIOD)])
 def test_answers_that_come_with_a_reset_are_kept_where_their_stamps_tell_them_from_older_ones(tmp_path, run, held):
     """After a reset they do; another master counts from zero again, and repeats itself until the answers come."""
-    recorder = RunRecorder(USED, NAMES, PERIOD, tmp_path, bag=False)
+    recorder = recorder_in(tmp_path)
     recorder.add(0, [message(USED[0], 0, 1.0)], [0], fail)
     recorder.took_all()
     for index, topic in enumerate(USED):
         recorder.add(index, [message(topic, 0, 2.0, run)], [0], fail)
     assert recorder.held == held
-    recorder.close(tmp_path / "signals.npz")
+    recorder.close()
 
 
 def test_memory_does_not_grow_with_the_steps(tmp_path: Path):
     """60 000 steps are 50 MB of messages; what stays are a block of each topic, and one channel at the end."""
     steps = 60_000
-    recorder = RunRecorder(USED, NAMES, PERIOD, tmp_path, bag=False)
+    recorder = recorder_in(tmp_path)
     tracemalloc.start()
     for begin in range(0, steps, 1000):
         stamps = np.arange(begin, begin + 1000) * PERIOD
         several = [MessageTable(topic).serialize(stamps, np.ones((1000, frame.SIZE))) for topic in USED]
         for index, messages in enumerate(several):
             recorder.add(index, messages, [0] * len(messages), fail)
-    recorder.close(tmp_path / "signals.npz")
+    recorder.close()
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert most < 7e6  # bytes

@@ -10,9 +10,8 @@ from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.recording.durable_bag import DurableBag
-from ev_sim.recording.files_of_run import SIGNALS
 from ev_sim.recording.recording import Recording
-from ev_sim.recording.run_recorder import RunRecorder
+from ev_sim.recording.run_recorder import RecorderParameters, RunRecorder
 from ev_sim.recording.spool import MessageTable
 from ev_sim.replay.graph import prepared, replay_folder, replay_of
 from ev_sim.replay.recorded import Recorded
@@ -35,8 +34,8 @@ def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:
     """
     after = {"driver/command": 2, "torque_request": 3, "torque_command": 4, "steering_column/state": -1}  # ms
     topics = [TOPICS[s] for s in RECORDED if set(TOPICS[s].channels) <= set(of.channels)]
-    folder.mkdir(exist_ok=True)
-    recorder = RunRecorder(topics, [f"/ev/{t.name}" for t in topics], PERIOD, folder, may_skip=True)
+    p = RecorderParameters(str(folder), control_period=PERIOD / 1e9, mode="realtime")
+    recorder = RunRecorder(p, topics, [f"/ev/{t.name}" for t in topics])
     frames = frame.stack(len(of.time), PERIOD)
     for topic in topics:
         frames[:, frame.PLACES[topic.signal]] = np.stack([of.channels[name] for name in topic.channels], axis=1)
@@ -47,7 +46,7 @@ def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:
             if lost.get(topic.name) != step:
                 late = 20 + after.get(topic.name, 0)
                 recorder.add(index, [messages[index][step]], [10**18 + int(at[step]) + late * 1_000_000], print)
-    recorder.close(folder / SIGNALS)
+    recorder.close()
     return folder
 
 

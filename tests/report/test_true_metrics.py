@@ -13,9 +13,8 @@ import ev_sim
 from ev_core.check.mirror import mirrored
 from ev_core.lockstep.parts import row_parts
 from ev_msgs_py.contract import frame
-from ev_sim.recording.offline import run_offline
+from ev_sim.recording.offline import run_offline, struck_channels, true_motion
 from ev_sim.recording.recording import Recording
-from ev_sim.recording.truth import struck_channels, true_motion
 from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import Overrides, Scenario, load_scenario
 from ev_sim.study import compare

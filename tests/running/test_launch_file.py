@@ -14,7 +14,7 @@ import pytest
 import yaml
 
 from ev_sim.commands.exports import write_parameters
-from ev_sim.running.node_parameters import node_parameters
+from ev_sim.running.offline import node_parameters
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 FILE = Path(__file__).parents[2] / "src" / "ev_sim" / "launch" / "scenario.launch.py"

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import ev_sim
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands import ev_stack
-from ev_sim.recording.files_of_run import OF_ALL_RUNS, atomic_file
+from ev_sim.recording.recording import OF_ALL_RUNS, atomic_file
 from ev_sim.running.output_folder import MANIFEST, OutputFolder, read_manifest, write_manifest
 from ev_sim.scenarios.scenario import Run
 

@@ -8,7 +8,7 @@ import pytest
 from ev_core.node_loop import steps
 from ev_msgs_py.contract.roles import RECORDER, ROLES
 from ev_sim.recording.outcome import RunFailed
-from ev_sim.running import processes
+from ev_sim.running import domain, processes
 from ev_sim.running.node_process import command
 from ev_sim.scenarios.scenario import load_scenario
 
@@ -23,7 +23,7 @@ def test_the_loop_of_the_nodes_is_compiled_if_nobody_has(kept, tmp_path, monkeyp
     compiled = []
     monkeypatch.setattr(steps, "is_kept", lambda: kept)
     monkeypatch.setattr(steps, "address", lambda: compiled.append("the loop"))
-    monkeypatch.setattr(processes, "free_domain", fail)
+    monkeypatch.setattr(domain, "free_domain", fail)
     run = load_scenario("coast_down").runs[0]
     with pytest.raises(RunFailed, match=r"^no domain$"):
         processes.run_in_processes(run, tmp_path, False, lambda _: None)

@@ -11,8 +11,7 @@ import pytest
 
 from ev_sim.recording.recording import signal_hash
 from ev_sim.running.domain import free_domain
-from ev_sim.running.in_process import run_in_process
-from ev_sim.running.processes import run_in_processes
+from ev_sim.running.processes import run_in_process, run_in_processes
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 TOOLS = Path(__file__).parents[2] / "tools"

@@ -12,7 +12,7 @@ from sockets_of_process import sockets_of
 from ev_core.run_role import refuse_weak_security
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.domain import free_domain
-from ev_sim.running.observing import enclave, observing
+from ev_sim.running.node_reports import enclave, observing
 from ev_sim.security.permissions import Permissions, permissions, permissions_in_use, policy_file, violations
 
 _ELECTRICAL = ("motor_electrics", "motor_temperatures", "battery/cell")

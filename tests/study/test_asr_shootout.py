@@ -12,9 +12,8 @@ from traction import METHODS, SPEED_MODE
 
 from ev_sim.commands.run_scenario import main
 from ev_sim.measures.metric import Metric
-from ev_sim.recording.offline import run_offline
+from ev_sim.recording.offline import run_offline, true_motion
 from ev_sim.recording.recording import Recording
-from ev_sim.recording.truth import true_motion
 from ev_sim.study import asr_shootout
 from ev_sim.study.asr_shootout import VARIANTS
 from ev_sim.study.run_study import printed

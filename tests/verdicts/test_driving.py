@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +16,9 @@ from judging import drive_here
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.recording.outcome import RunFailed
+from ev_sim.running.output_folder import locked
 from ev_sim.study.study import CaseResult, drive_case
-from ev_sim.verdicts.driving import Kept, cases_of, drive
-from ev_sim.verdicts.need import ScenarioNeed, StudyNeed
+from ev_sim.verdicts.need import Kept, ScenarioNeed, StudyNeed, cases_of, drive
 
 HOLDING = ScenarioNeed("shchur2019_steps", runs=("hold_manual",), duration=0.1)
 SHORT_STUDY = StudyNeed("five_methods", ("--seeds", "1", "--drivers", "pulse"))
@@ -51,7 +53,7 @@ def test_another_parameter_is_another_run(tmp_path: Path):
 
 def measuring(cases, measures):
     """A case that every study can measure, in place of its own."""
-    measures = [replace(measure, measure=lambda recording, run: {"x": 1.0}) for measure in measures]
+    measures = [partial(each.func, each.args[0], lambda recording, run: {"x": 1.0}) for each in measures]
     return [replace(drive_case(CHEAP, measure), name=case.name) for case, measure in zip(cases, measures, strict=True)]
 
 
@@ -104,6 +106,24 @@ def test_what_other_sources_have_left_is_removed(tmp_path: Path):
     assert (tmp_path / "mine/run.npz").exists() and (tmp_path / "recordings_mine/run.npz").exists()
 
 
+def test_what_another_command_uses_stays(tmp_path: Path):
+    """Whatever its age: a run of another checkout ended with "No such file" when this one began."""
+    folders = [tmp_path / f"driven_{n:024x}" for n in range(4)]
+    for n, other in enumerate(folders):
+        other.mkdir()
+        (other / "run.npz").touch()
+        os.utime(other, (n, n))
+    with locked(folders[0], fcntl.LOCK_SH):
+        mine = Kept(tmp_path)
+        assert [each.exists() for each in folders] == [True, False, True, True]
+    used = mine.of("", CHEAP).parent
+    with pytest.raises(BlockingIOError), locked(used, fcntl.LOCK_EX | fcntl.LOCK_NB):
+        pytest.fail("another command may remove what this one uses")
+    del mine
+    with locked(used, fcntl.LOCK_EX | fcntl.LOCK_NB):
+        assert used.exists()
+
+
 def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Path):
     """The second command ended in a FileExistsError, and half a file, of a crash, kept all verdicts from being."""
     driven: list[str] = []
@@ -114,7 +134,7 @@ def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Pa
         return counting(driven)(cases, measures)
 
     drive([HOLDING], kept, both)
-    path = kept.recording(CHEAP)
+    path = kept.of("", CHEAP)
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
     drive([HOLDING], kept, counting(driven))
@@ -132,7 +152,7 @@ def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pyt
     other.write_text("x: 1\n")
     monkeypatch.setattr(kept_rows, "_config", lambda: [*files, ("other.yaml", other)])
     Kept(tmp_path)
-    assert [path.is_dir() for path in set(tmp_path.iterdir()) - before - {other}] == [True, True]
+    assert [path.is_dir() for path in set(tmp_path.iterdir()) - before - {other}] == [True]
 
 
 def test_a_run_that_cannot_be_driven_is_one_line(tmp_path: Path):

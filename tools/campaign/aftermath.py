@@ -14,8 +14,7 @@ from rosbags.highlevel import AnyReader
 
 from campaign.under_way import UnderWay
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.files_of_run import OF_ALL_RUNS
-from ev_sim.recording.recording import load
+from ev_sim.recording.recording import OF_ALL_RUNS, load
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.scenario import load_scenario
 

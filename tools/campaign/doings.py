@@ -15,7 +15,7 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from campaign.sayings import ESCAPES, INVENTED
-from ev_core.nodes.runner_line import TIME_SERVICES
+from ev_core.nodes.master.schedule import TIME_SERVICES
 from ev_core.nodes.signal_io import QUALITY
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.wire.message_format import format_of

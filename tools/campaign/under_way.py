@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from campaign.trial import RUNNER, Trial
-from ev_sim.recording.files_of_run import BAG, PARAMETERS
+from ev_sim.recording.recording import BAG, PARAMETERS
 from ev_sim.running.children import ends_with_us
 
 ROOT = Path(__file__).parents[2]

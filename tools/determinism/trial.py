@@ -16,8 +16,7 @@ from determinism.surroundings import WAYS
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.outcome import Outcome
 from ev_sim.recording.recording import Recording, signal_hash
-from ev_sim.running.in_process import run_in_process
-from ev_sim.running.processes import run_in_processes
+from ev_sim.running.processes import run_in_process, run_in_processes
 from ev_sim.scenarios.scenario import Run
 
 

@@ -16,8 +16,7 @@ from typing import Any
 
 from ev_sim.study.run_study import arguments
 from ev_sim.study.study import Case, CaseResult
-from ev_sim.verdicts.driving import cases_of
-from ev_sim.verdicts.need import StudyCases, StudyNeed
+from ev_sim.verdicts.need import StudyCases, StudyNeed, cases_of
 
 FOLDER = "docs/measured"
 LONG = 40  # cases, from which on a study is too long to be driven in a test

@@ -15,8 +15,7 @@ from ev_papers.ge_ni2005.report import CASES
 from ev_sim.measures.metric import Metric
 from ev_sim.study.run_study import arguments, figures_of
 from ev_sim.study.study import Results, study_named
-from ev_sim.verdicts.driving import drive, kept_by_user
-from ev_sim.verdicts.need import StudyNeed
+from ev_sim.verdicts.need import StudyNeed, drive, kept_by_user
 from ev_sim.verdicts.sources import published
 
 

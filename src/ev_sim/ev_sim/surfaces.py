@@ -268,16 +268,13 @@ def left_and_right(road: RoadParameters) -> tuple[Segments, Segments]:
         left = tuple(pair[n % 2] for n in range(repeats))
         right = tuple(pair[(n + 1) % 2] for n in range(repeats))
         return _in_order(left, road.length[:1]), _in_order(right, road.length[:1])
-    left_side, right_side = (
-        random_segments(
-            np.random.default_rng((road.seed, side)),
-            road.random_surfaces,
-            road.random_probability,
-            (road.random_shortest, road.random_longest),
-            road.random_distance,
-        )
-        for side in (0, 1)
+    drawn = (
+        road.random_surfaces,
+        road.random_probability,
+        (road.random_shortest, road.random_longest),
+        road.random_distance,
     )
+    left_side, right_side = (random_segments(np.random.default_rng((road.seed, side)), *drawn) for side in (0, 1))
     return Segments(*left_side), Segments(*right_side)
 
 

@@ -9,7 +9,7 @@ from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.wheel_dynamics import wheel_load
 from ev_control.law import BrakeSplitParameters, split
 from ev_control.shared.allocation import motor_range
-from ev_control.shared.assistance import AssistanceParameters, assistance, torque_difference_per_steering_moment
+from ev_control.shared.torque_split import AssistanceParameters, assistance, torque_difference_per_steering_moment
 from ev_core.law import FRONT_WHEELS_DRIVEN, GRAVITY, Car, compilable, group, method, only_driven, parameter
 from ev_msgs_py.contract.signals import (
     DriverCommand,

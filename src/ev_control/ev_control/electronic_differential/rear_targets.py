@@ -9,8 +9,7 @@ from ev_control.estimation.slip_peak import RoadTargetParameters, RoadTargetStat
 from ev_control.law import BrakeSplitParameters, split
 from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
 from ev_core.law import BodyVelocity, Wheels, WheelStates, copysign, entry, group, method, parameter, part, setting, tan
-from ev_core.vehicle.car import Car, speed_along_path
-from ev_core.vehicle.layout import REAR_WHEELS_DRIVEN, only_driven
+from ev_core.vehicle.car import REAR_WHEELS_DRIVEN, Car, only_driven, speed_along_path
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import DriverCommand, InertialMeasurement, SteeringColumnState, WheelTorqueRequest
 

@@ -12,7 +12,7 @@ from ev_control.law import BrakeSplitParameters, split, split_brake
 from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
 from ev_core.law import WHEEL_NAMES, Car, InertialMeasurement, Vehicle, Wheels, compilable, group, parameter, part
-from ev_core.vehicle.layout import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN, each_driven
+from ev_core.vehicle.car import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN, each_driven
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, TireForces, WheelStates, WheelTorqueRequest
 from ev_msgs_py.refusal import ParameterError
 

@@ -30,7 +30,7 @@ from ev_sim.measures.understeer import (
     critical_speed,
     understeer_gradient,
 )
-from ev_sim.recording.files_of_run import atomic_file
+from ev_sim.recording.recording import atomic_file
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.about import vehicle_of
 from ev_sim.surfaces import REFERENCE, SURFACES

@@ -22,10 +22,10 @@ from ev_core.parameters.values import check, entries_by_name, plain
 from ev_core.sensors.row import SensorRow
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.fields import SignalError
-from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.batches import observer
 from ev_sim.batches.observer import Observation, Reduction, result
+from ev_sim.recording.offline import written_topics
 
 EVERY_ROLE = "*"
 _VEHICLE, _SENSORS = "vehicle.", "sensors."
@@ -44,7 +44,7 @@ class Variation:
         self, configurations: Mapping[str, Configuration], vary: Mapping[str, Iterable[Any]], runs: Mapping[str, int]
     ) -> None:
         self._configurations = configurations
-        columns = {name: _column(values) for name, values in vary.items()}
+        columns = {name: list(map(plain, plain(values))) for name, values in vary.items()}
         lengths = {name: len(column) for name, column in columns.items()}
         lengths.update({f"initial_states of {role}": count for role, count in runs.items()})
         if len(set(lengths.values())) > 1:
@@ -101,10 +101,6 @@ class Variation:
         return any(name not in seed and not name.startswith(_SENSORS) for name in self._by_role[role])
 
 
-def _column(values: Iterable[Any]) -> list[Any]:
-    return list(map(plain, plain(values)))
-
-
 class _Placed(NamedTuple):
     """A part of a role, which runs may share, and a state of a run's own."""
 
@@ -136,7 +132,12 @@ class Runs:
         times: np.ndarray,
     ) -> None:
         for role, configuration in configurations.items():
-            _refuse_interpreted(role, configuration)
+            law = configuration.method.law
+            if law is None or not law.is_compilable:
+                raise ParameterError(
+                    f"{role} method {configuration.method.name} runs in plain Python, allowed in a batch are methods "
+                    "that run compiled"
+                )
         self._answering, self._integrating = roles_in_order(configurations)
         self._base, self._initial_states = configurations, initial_states
         self._observation, self._times = observation, times
@@ -188,15 +189,6 @@ class Runs:
         writes = frame.span(configuration.method.writes)
         placed = [_Placed(role, writes, part, state.copy())]
         return [*placed, *(_Placed(role, writes, behind, behind.state) for behind in row_parts(configuration))]
-
-
-def _refuse_interpreted(role: str, configuration: Configuration) -> None:
-    law = configuration.method.law
-    if law is None or not law.is_compilable:
-        raise ParameterError(
-            f"{role} method {configuration.method.name} runs in plain Python, allowed in a batch are methods that "
-            "run compiled"
-        )
 
 
 def _refuse_states(role: str, states: np.ndarray, size: int) -> None:
@@ -280,8 +272,7 @@ def _shared_out(runs: int, workers: int) -> list[range]:
 
 def _refuse_channels(configurations: Mapping[str, Configuration], channels: Iterable[str]) -> None:
     """A channel that no method writes would be zero for ever."""
-    written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
-    known = [name for signal in frame.PLACES if signal in written for name in TOPICS[signal].channels]
+    known = [name for topic in written_topics(configurations) for name in topic.channels]
     for name in channels:
         if name not in known:
             raise unknown_name("channel", name, known)

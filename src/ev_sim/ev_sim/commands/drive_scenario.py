@@ -14,8 +14,8 @@ from pathlib import Path
 from ev_msgs_py.refusal import LINE, quoted, shown, unknown_name
 from ev_sim.command_line.options import overrides, own_nodes
 from ev_sim.figures.saving import figure_files
-from ev_sim.recording.files_of_run import OF_ALL_RUNS
 from ev_sim.recording.outcome import Outcome, RunFailed, progress_bar
+from ev_sim.recording.recording import OF_ALL_RUNS
 from ev_sim.report.result import Result
 from ev_sim.report.tables import in_words, print_metrics
 from ev_sim.running.output_folder import OutputFolder
@@ -58,13 +58,14 @@ def drive_scenario(given: argparse.Namespace) -> None:
 
 def _refuse_without_ros(given: argparse.Namespace) -> None:
     """RunFailed, before anything is made, if ROS 2 is needed and not installed or cannot start."""
-    if not given.offline and find_spec("rclpy") is None:
-        raise RunFailed("nodes need ROS 2 (rclpy), which is not installed here: --offline --no-record needs none")
-    middleware = os.environ.get(_MIDDLEWARE, "")
-    if not given.offline and middleware not in ("", "rmw_fastrtps_cpp") and not _can_be_loaded():
-        raise RunFailed(f"{_MIDDLEWARE}={quoted(middleware)} is refused, allowed is one that is installed, or none")
-    if not given.offline and os.access(_SHARED_MEMORY, os.W_OK) and shutil.disk_usage(_SHARED_MEMORY).free < _ROOM:
-        raise RunFailed(f"{_SHARED_MEMORY} is full: the libraries of ROS 2 need {_ROOM} bytes there")
+    if not given.offline:
+        if find_spec("rclpy") is None:
+            raise RunFailed("nodes need ROS 2 (rclpy), which is not installed here: --offline --no-record needs none")
+        middleware = os.environ.get(_MIDDLEWARE, "")
+        if middleware not in ("", "rmw_fastrtps_cpp") and not _can_be_loaded():
+            raise RunFailed(f"{_MIDDLEWARE}={quoted(middleware)} is refused, allowed is one that is installed, or none")
+        if os.access(_SHARED_MEMORY, os.W_OK) and shutil.disk_usage(_SHARED_MEMORY).free < _ROOM:
+            raise RunFailed(f"{_SHARED_MEMORY} is full: the libraries of ROS 2 need {_ROOM} bytes there")
     if not given.no_record and None in (find_spec("rosbags"), find_spec("sensor_msgs")):
         raise RunFailed("a bag needs rosbags and the messages of ROS 2, which are not installed here: add --no-record")
 
@@ -81,7 +82,7 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
     if not file or run.realtime:  # in real time the node that sends on the bus writes its log
         return _driven(run, directory, given)
     from ev_core.bus.channel import BusLog
-    from ev_sim.recording.truth import write_can_log
+    from ev_sim.recording.offline import write_can_log
 
     try:
         log = BusLog(str(directory / file))
@@ -98,10 +99,8 @@ def _driven(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
             from ev_sim.running.offline import run_offline_into
 
             return run_offline_into(run, directory, not given.no_record, progress)
+        from ev_sim.running.processes import run_in_process, run_in_processes
+
         if given.in_process:
-            from ev_sim.running.in_process import run_in_process
-
             return run_in_process(run, directory, not given.no_record, progress)
-        from ev_sim.running.processes import run_in_processes
-
         return run_in_processes(run, directory, not given.no_record, progress, own_nodes(given))

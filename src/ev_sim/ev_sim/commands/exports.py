@@ -18,8 +18,8 @@ from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.command_line.options import add_overrides, overrides
 from ev_sim.command_line.refusal import Parser, refuse
-from ev_sim.recording.files_of_run import PARAMETERS
 from ev_sim.recording.outcome import RunFailed
+from ev_sim.recording.recording import PARAMETERS
 from ev_sim.scenarios.about import ScenarioParameters, vehicle_of
 
 
@@ -52,8 +52,8 @@ starting nodes by other means than scripts/run.sh, such as launch files (launch/
 def write_parameters(argv: list[str]) -> None:
     """ev-stack parameters SCENARIO --out DIR; standard output is JSON."""
     from ev_sim.interface.driving import only_run
-    from ev_sim.running.node_parameters import node_parameters, write_parameter_file
     from ev_sim.running.node_process import package_of
+    from ev_sim.running.offline import node_parameters, write_parameter_file
     from ev_sim.running.output_folder import OutputFolder
 
     parser = Parser(prog="ev-stack parameters", description=_ABOUT_PARAMETERS)

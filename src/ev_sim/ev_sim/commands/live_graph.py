@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 
 import rclpy
 from rclpy.exceptions import InvalidNamespaceException
@@ -32,18 +33,24 @@ def inspect(argv: list[str]) -> None:
     parser.add_argument("--seconds", type=_positive, default=2.0, help="how long rates are measured")
     parser.add_argument("--echo", metavar="TOPIC", help="print one message of this topic and end")
     given = parser.parse_args(argv)
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     try:
-        node = Node(_OWN_NAME, start_parameter_services=False)
-        time.sleep(_LOOKING_TIME)
-        if given.echo:
-            print(_one_message(node, given.echo))
-        else:
-            print("\n".join(shown(line, LINE) for line in _graph(node, given.seconds)))
+        with suppress(KeyboardInterrupt), _looking(_OWN_NAME, _LOOKING_TIME) as node:
+            if given.echo:
+                print(_one_message(node, given.echo))
+            else:
+                print("\n".join(shown(line, LINE) for line in _graph(node, given.seconds)))
     except LookupError as error:
         sys.exit(error.args[0])
-    except KeyboardInterrupt:
-        pass
+
+
+@contextmanager
+def _looking(name: str, seconds: float) -> Iterator[Node]:
+    """A node of our own in the graph, for which the others have had time to answer."""
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        node = Node(name, start_parameter_services=False)
+        time.sleep(seconds)
+        yield node
     finally:
         rclpy.try_shutdown()
 
@@ -129,13 +136,8 @@ def policies(argv: list[str]) -> None:
     if not given.check:
         print(policy_file(given.namespace, allowed.values()), end="")
         return
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        node = Node("security_policies", start_parameter_services=False)
-        time.sleep(_DISCOVERY_TIME)
+    with _looking("security_policies", _DISCOVERY_TIME) as node:
         used = permissions_in_use(node, given.namespace)
-    finally:
-        rclpy.try_shutdown()
     if not used:
         refuse(f"no node is running in namespace {given.namespace}")
     found = violations(allowed, used.values())

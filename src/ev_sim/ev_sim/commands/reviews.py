@@ -21,9 +21,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.command_line.options import add_changes, add_outputs, command_of, overrides
 from ev_sim.command_line.refusal import Parser
-from ev_sim.recording.files_of_run import PAGE, SIGNALS, SUMMARY
 from ev_sim.recording.outcome import Outcome, bar_of_runs, progress_bar
-from ev_sim.recording.recording import load
+from ev_sim.recording.recording import PAGE, SIGNALS, SUMMARY, load
 from ev_sim.replay.graph import Replay, Replayed, prepared, replay_folder, replay_of
 from ev_sim.replay.recorded import find_recorded
 from ev_sim.report.page.writing import Page, Signals, write_page
@@ -33,11 +32,10 @@ from ev_sim.running.output_folder import OutputFolder, stays_within
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, CaseResult, Measure
 from ev_sim.study.workers import drive_cases
-from ev_sim.verdicts.driving import drive, kept_by_user
-from ev_sim.verdicts.need import Driven, Need
-from ev_sim.verdicts.panels_page import INDEX, draw_panels, file_name, images_by_id, panels
+from ev_sim.verdicts.need import Driven, Need, drive, kept_by_user
+from ev_sim.verdicts.panels_page import INDEX, PublishedPanel, draw_panels, file_name, images_by_id, panels
 from ev_sim.verdicts.panels_page import write_page as write_panels
-from ev_sim.verdicts.sources import sources
+from ev_sim.verdicts.sources import published, sources
 from ev_sim.verdicts.verdict import FILES, Verdict, counts, needs_of, plain_table, verdicts, wanted, write
 
 
@@ -54,18 +52,16 @@ def run_verdicts(argv: Sequence[str]) -> None:
     parser.add_argument("--only", nargs="+", default=[], metavar="SOURCE", help="sources, ids or beginnings of ids")
     parser.add_argument("--quick", action="store_true", help="leave out what takes more than a few seconds to drive")
     given = parser.parse_args(argv)
-    chosen = wanted(given.only, given.quick)
-    if not chosen:
-        raise ParameterError(f"--only {' '.join(given.only)}: no such id or source; sources: {', '.join(sources())}")
     start = time.monotonic()
     found, _ = judge_driven(given.only, given.quick)
+    if not found:
+        raise ParameterError(f"--only {' '.join(given.only)}: no such id or source; sources: {', '.join(sources())}")
     with OutputFolder(given.out, "verdicts", FILES) as folder:
         images = {id: names for source in sources() for id, names in images_by_id(source).items()}
         write(found, folder.directory, images)
     print(plain_table(found, shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns))
     for source in sources():
-        of_source = [each for (name, _), each in zip(chosen, found, strict=True) if name == source]
-        if of_source:
+        if of_source := [each for each in found if each.published.id in published(source)]:
             print(f"{source}: {counts(of_source)}")
     print(f"all: {counts(found)}")
     print(f"{time.monotonic() - start:.1f} s; table: {folder.directory}")
@@ -97,18 +93,21 @@ def run_figures(argv: Sequence[str]) -> None:
             raise ParameterError(f"--only {source} is refused, allowed is {', '.join(sources())}")
     start = time.monotonic()
     shown = {source: panels(source) for source in sources() if not given.only or source in given.only}
-    needs = [need for of_source in shown.values() for panel in of_source for need in panel.needs]
-    driven = drive(needs, kept_by_user(), drive_with_progress)
-    files = [file_name(source, panel) for source, of_source in shown.items() for panel in of_source]
+    every = [(source, panel) for source, of_source in shown.items() for panel in of_source]
+    driven = drive([need for _, panel in every for need in panel.needs], kept_by_user(), drive_with_progress)
+    files = [file_name(source, panel) for source, panel in every]
     with OutputFolder(given.out, "figures", [INDEX, *files]) as folder:
         for source, of_source in shown.items():
-            drawn = draw_panels(source, of_source, driven, folder.directory)
-            print(f"{source}: {len(of_source)} panels, {len(drawn)} drawn, {len(of_source) - len(drawn)} not drawable")
+            draw_panels(source, of_source, driven, folder.directory)
+            print(f"{source}: {_counts(of_source)}")
         page = write_panels(shown, folder.directory)
-    every = [panel for of_source in shown.values() for panel in of_source]
-    drawn_in_all = sum(panel.draw is not None for panel in every)
-    print(f"all: {len(every)} panels, {drawn_in_all} drawn, {len(every) - drawn_in_all} not drawable")
+    print(f"all: {_counts([panel for _, panel in every])}")
     print(f"{time.monotonic() - start:.1f} s; page: {page}")
+
+
+def _counts(of: Sequence[PublishedPanel]) -> str:
+    drawn = sum(panel.draw is not None for panel in of)
+    return f"{len(of)} panels, {drawn} drawn, {len(of) - drawn} not drawable"
 
 
 def run_replay(argv: Sequence[str]) -> None:
@@ -172,41 +171,30 @@ def run_report(argv: Sequence[str]) -> None:
     parser.add_argument("folders", nargs="+", type=Path, metavar="DIR", help="what --out of a scenario was")
     parser.add_argument("--out", type=Path, metavar="FILE", help=f"the page; default results/{PAGE}")
     given = parser.parse_args(argv)
-    labels = _labels(given.folders)
-    read = {label: read_folder(label, folder) for label, folder in zip(labels, given.folders, strict=True)}
-    summaries = {label: summary for label, (summary, _) in read.items()}
-    signals = [signals for _, signals in read.values()]
+    labels = [folder.resolve().name for folder in given.folders]
+    if len(set(labels)) < len(labels):
+        labels = [str(folder) for folder in given.folders]
+    summaries, signals = zip(*map(read_folder, labels, given.folders), strict=True)
     page = given.out or Path("results") / PAGE
     with OutputFolder(page.parent, f"report {page.name}", [page.name]):
-        write_page(Page(" and ".join(labels), summaries, signals), page)
+        write_page(Page(" and ".join(labels), dict(zip(labels, summaries, strict=True)), signals), page)
     print(f"page: {page.absolute()}")
-
-
-def _labels(folders: Sequence[Path]) -> list[str]:
-    """The names of the folders, where two are alike their paths."""
-    names = [folder.resolve().name for folder in folders]
-    return names if len(set(names)) == len(names) else [str(folder) for folder in folders]
 
 
 def read_folder(label: str, folder: Path) -> tuple[Mapping[str, Any], Signals]:
     """The summary of a scenario's folder and its signals; ParameterError that names the folder if one is not whole."""
-    summary = _summary(folder)
-    try:
-        return summary, _signals(label, folder, summary)
-    except (LookupError, TypeError, AttributeError, ParameterError) as error:
-        raise ParameterError(f"{folder}: summary.json does not say what a run does: {error}") from None
-    except (OSError, ValueError) as error:
-        raise ParameterError(f"{folder}: signals cannot be read: {error}") from None
-
-
-def _summary(folder: Path) -> Mapping[str, Any]:
     try:
         summary: dict[str, Any] = json.loads(read_data(folder / SUMMARY, TABLE))
     except (OSError, ValueError, RecursionError) as error:
         raise ParameterError(f"{folder}: summary.json cannot be read: {error}") from None
     if not isinstance(summary, dict) or "scenario" not in summary:
         raise ParameterError(f"{folder} is that of a study, which keeps no signals; allowed is that of a scenario")
-    return summary
+    try:
+        return summary, _signals(label, folder, summary)
+    except (LookupError, TypeError, AttributeError, ParameterError) as error:
+        raise ParameterError(f"{folder}: summary.json does not say what a run does: {error}") from None
+    except (OSError, ValueError) as error:
+        raise ParameterError(f"{folder}: signals cannot be read: {error}") from None
 
 
 def _signals(label: str, folder: Path, summary: Mapping[str, Any]) -> Signals:

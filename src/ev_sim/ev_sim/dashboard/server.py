@@ -23,7 +23,7 @@ from ev_sim.dashboard.controls import Controls, line
 from ev_sim.dashboard.live_frames import LiveFrames, Reported
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.page.writing import filled
-from ev_sim.running.observing import observing
+from ev_sim.running.node_reports import observing
 
 ADDRESS = "127.0.0.1"  # no other machine can ask
 _KEPT = 1200  # rows that a page gets when it is opened

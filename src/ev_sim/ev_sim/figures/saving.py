@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ev_sim.figures.figure import Axes, Figure
-from ev_sim.recording.files_of_run import atomic_file
+from ev_sim.recording.recording import atomic_file
 
 WIDTH = 3.5  # of a column [inch]
 LEFT, RIGHT, BOTTOM = 0.58, 0.08, 0.4  # margins [inch]

@@ -20,7 +20,7 @@ from ev_core.nodes.master.real_time import MasterParameters
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.interface import extra
-from ev_sim.recording.files_of_run import atomic_file
+from ev_sim.recording.recording import atomic_file
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.scenario import Run
 

@@ -42,7 +42,7 @@ class Slave(Fmi2Slave):
             self._period, inputs = configuration.period, self._law.inputs
             self._shown: Mapping[str, float] = dict.fromkeys(self._law.outputs, 0.0)
         else:
-            self._car = Simulation.of_run(content.run, content.without, record=False)
+            self._car = Simulation(content.run, content.without, record=False)
             read = {signal for role in self._car.kept for signal in content.run.configurations[role].method.reads}
             taken = {name for signal in read if signal in TOPICS for name in TOPICS[signal].channels}
             self._period, inputs = self._car.period, tuple(name for name in self._car.inputs if name in taken)

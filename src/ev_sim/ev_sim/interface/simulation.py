@@ -38,15 +38,12 @@ class SteppedLaw:
     """
 
     def __init__(self, configuration: Configuration) -> None:
-        self._set_up(configuration)
-
-    def _set_up(self, configuration: Configuration) -> None:
         if ROLES[configuration.role].kind is not RoleKind.ANSWERS:
             answering = [role.name for role in ROLES.values() if role.kind is RoleKind.ANSWERS]
             raise ParameterError(f"{configuration.role} integrates, allowed is one of {', '.join(answering)}")
         self._configuration = configuration
         self._part = part_of(configuration, compiled=True)
-        self._here = Frame()
+        self._here = np.zeros(frame.SIZE)
         places = frame.channels()
         self._inputs = {name: places[name] for name in _channels(configuration.method.reads)}
         self._outputs = {name: places[name] for name in _channels(configuration.method.writes)}
@@ -54,27 +51,26 @@ class SteppedLaw:
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and deepcopy: the part is compiled code, so it is made anew and goes on from its state."""
-        inputs = {name: self._here.numbers[place] for name, place in self._inputs.items()}
-        return {"configuration": self._configuration, "inputs": inputs, "state": copy.deepcopy(self.state)}
+        return {name: value for name, value in vars(self).items() if name != "_part"} | {"state": self.state}
 
     def __setstate__(self, saved: dict[str, Any]) -> None:
-        self._set_up(saved["configuration"])
-        for name, value in saved["inputs"].items():
-            self._here.numbers[self._inputs[name]] = value
-        self.state = saved["state"]
+        state = saved.pop("state")
+        vars(self).update(saved)
+        self._part = part_of(self._configuration, compiled=True)
+        self.state = state
 
     def answer(self, time: float, given: Mapping[str, float]) -> dict[str, float]:
         """What it writes at an instant [s], by channel in SI units; inputs that are not given keep their last value.
 
         SignalError if a number is not finite.
         """
-        numbers = self._here.numbers
-        numbers[frame.TIME] = time
+        self._here[frame.TIME] = time
         for name, place in self._inputs.items():
             if name in given:
-                numbers[place] = given[name]
-        self._part.step(self._here, self._here)
-        return {name: numbers[place] for name, place in self._outputs.items()}
+                self._here[place] = given[name]
+        here = Frame.of(self._here)
+        self._part.step(here, here)
+        return {name: here.numbers[place] for name, place in self._outputs.items()}
 
     @property
     def state(self) -> Any:
@@ -107,6 +103,8 @@ class SimulationState:
 class Simulation:
     """One run of a scenario, step by step; what the roles in `without` would write is given to each `step`.
 
+    `scenario` is a name, a path, or a run that is configured already.
+
     After `reset` and after each `step` the frame shows an instant as far as it goes without them: all that integrates,
     and the answers of the roles in front of the first one that is left out. `step` puts in what is given, lets the
     others answer, and integrates to the next instant. `run` names which run is meant if there are several, `changed` is
@@ -117,22 +115,13 @@ class Simulation:
 
     def __init__(
         self,
-        scenario: str | PathLike[str],
+        scenario: str | PathLike[str] | Run,
         without: Sequence[str] = (),
         run: str = "",
         record: bool = True,
         **changed: Any,
     ) -> None:
-        self._set_up(only_run(scenario, run, overrides(**changed)), without, record)
-
-    @classmethod
-    def of_run(cls, of: Run, without: Sequence[str] = (), record: bool = True) -> Simulation:
-        """That of a run that is configured already."""
-        made = cls.__new__(cls)
-        made._set_up(of, without, record)
-        return made
-
-    def _set_up(self, of: Run, without: Sequence[str], record: bool) -> None:
+        of = scenario if isinstance(scenario, Run) else only_run(scenario, run, overrides(**changed))
         for role in without:
             if role not in of.configurations:
                 raise unknown_name("role", role, of.configurations)

@@ -134,15 +134,13 @@ class DurableBag:
             shutil.rmtree(directory, ignore_errors=True)
             raise
 
-    def add_topic(
-        self, name: str, message_type: str, *, depth: int = 10, reliable: bool = True, transient_local: bool = False
-    ) -> Connection:
+    def add_topic(self, name: str, message_type: str, depth: int = 10) -> Connection:
         """Announce a topic with the quality of service of its publisher; the answer is the handle for `write`."""
         quality = Qos(
             history=QosHistory.KEEP_LAST,
             depth=depth,
-            reliability=QosReliability.RELIABLE if reliable else QosReliability.BEST_EFFORT,
-            durability=QosDurability.TRANSIENT_LOCAL if transient_local else QosDurability.VOLATILE,
+            reliability=QosReliability.RELIABLE,
+            durability=QosDurability.VOLATILE,
             deadline=UNLIMITED,
             lifespan=UNLIMITED,
             liveliness=QosLiveliness.AUTOMATIC,

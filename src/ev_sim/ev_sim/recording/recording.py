@@ -1,12 +1,16 @@
-"""The signals of one run as arrays, their file, and the hash that proves two runs equal."""
+"""What a run leaves in its folder: whole files, its signals as arrays, and the hash that proves two runs equal."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
+import os
+import secrets
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, count
 from pathlib import Path
+from typing import IO
 from zipfile import ZipFile
 
 import numpy as np
@@ -14,7 +18,48 @@ import numpy as np
 from ev_core.parameters.data_file import TIME, RecordingError, read_arrays
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.topics import Topic
-from ev_sim.recording.files_of_run import atomic_file
+
+
+@contextmanager
+def atomic_file(path: Path | str, replaces: bool = False) -> Iterator[IO[bytes]]:
+    """A binary file that takes its name only when everything is written; a failure leaves what was there before.
+
+    FileExistsError if something has this name by then, unless it `replaces` that; OSError names the file.
+    """
+    path = Path(path)
+    unfinished = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    try:
+        with unfinished.open("xb") as file:
+            try:
+                yield file
+                file.close()
+                if not replaces:
+                    path.touch(exist_ok=False)  # unlike a test for existence nobody can come in between
+                unfinished.replace(path)
+            finally:
+                unfinished.unlink(missing_ok=True)
+    except OSError as error:  # what has no room on the disk says not where
+        if error.errno is None or error.filename is not None:
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from None
+
+
+def free_path(path: Path) -> Path:
+    """The first one of PATH1, PATH2, ... that is free."""
+    return next(each for each in (Path(f"{path}{number}") for number in count(1)) if not os.path.lexists(each))
+
+
+BAG = "bag"
+SIGNALS = "signals.npz"
+PARAMETERS = "parameters.yaml"
+LOG = "log"
+SUMMARY, PAGE = OF_ALL_RUNS = ("summary.json", "report.html")
+
+# A bag has two files while it grows (`durable_bag`), and keeps its name before a reset.
+_OF_A_BAG = ("metadata.yaml", "metadata.yaml.tmp", f"{BAG}.mcap", f"{BAG}_[01].mcap", f"{BAG}.mcap.spare")
+RECORDED = (SIGNALS, *(f"{BAG}/{name}" for name in _OF_A_BAG))
+BEFORE_RESET = tuple(f"{BAG}_before_reset_[0-9]*/{name}" for name in _OF_A_BAG)
+
 
 _LITTLE_ENDIAN = np.dtype("<f8")
 _BLOCK = 256  # instants that are turned over at once: they fit into the cache, as frames and as series

@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -22,45 +21,67 @@ from ev_msgs_py.refusal import ParameterError, quoted
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import stamp_of
 from ev_sim.recording.durable_bag import DurableBag
-from ev_sim.recording.files_of_run import BAG, SIGNALS
-from ev_sim.recording.recording import Recording, write_signals
+from ev_sim.recording.recording import BAG, SIGNALS, Recording, free_path, write_signals
 from ev_sim.recording.spool import BLOCK, MessageTable, Spool, SpooledTopic
+
+_ALL_TOPICS = tuple(TOPICS[signal].name for signal in RECORDED)
+
+
+@dataclass(frozen=True, slots=True)
+class RecorderParameters:
+    """What is recorded and where it goes."""
+
+    directory: str = setting("recording", about="folder for bag/ and signals.npz, made if need be", read_only=True)
+    topics: tuple[str, ...] = setting(
+        _ALL_TOPICS, choices=_ALL_TOPICS, about="topics that belong to every step of this run", read_only=True
+    )
+    bag: bool = setting(True, about="write a bag besides signals.npz", read_only=True)
+    control_period: float = setting(
+        0.01, unit="s", low=1e-4, high=1.0, about="step of the graph, the same for all nodes", read_only=True
+    )
+    mode: str = setting(
+        "lockstep",
+        choices=("lockstep", "realtime"),
+        about="lockstep: every topic has every step; realtime: a step that is missing holds the one before",
+        read_only=True,
+    )
+    duration: float = setting(
+        0.0, unit="s", low=0.0, high=LONGEST, about="the node ends when it holds this time; 0: never", read_only=True
+    )
 
 
 class RunRecorder:
     """Collects the serialized messages of the recorded topics, one per topic and step, in memory that does not grow.
 
-    `names` are the full topic names by which the bag knows the topics; `period` is the step in nanoseconds. The bag,
-    where there is to be one, comes into `folder`, and so does a file without a name that has the numbers meanwhile.
-    With `may_skip` (realtime) a step that never comes holds the one before, and the run is as far as its master;
-    without, it is as far as its slowest topic, and a missing step is a loss. Nothing behind the stamp `last` is kept:
-    an integrating node is one step ahead of the end.
+    `names` are the full topic names by which the bag knows the topics. Its folder is made, and ParameterError if there
+    is a recording already; a file without a name has the numbers there meanwhile. In real time a step that never comes
+    holds the one before, and the run is as far as its master; in lockstep it is as far as its slowest topic, and a
+    missing step is a loss. Nothing behind the end is kept: an integrating node is one step ahead of it.
 
     When the master begins the next run (reset), or is another one that counts from zero, the arrays begin anew, and so
     does the bag; the one before is kept beside it. What comes of another run than the present one is not kept.
     """
 
-    def __init__(
-        self,
-        topics: Sequence[Topic],
-        names: Sequence[str],
-        period: int,
-        folder: Path,
-        bag: bool = True,
-        may_skip: bool = False,
-        last: int | None = None,
-    ) -> None:
+    def __init__(self, p: RecorderParameters, topics: Sequence[Topic], names: Sequence[str]) -> None:
+        folder = Path(p.directory)
+        if any(os.path.lexists(folder / name) for name in ((BAG, SIGNALS) if p.bag else (SIGNALS,))):
+            raise ParameterError(
+                f"parameter directory: {quoted(p.directory)} is refused, allowed is one without a recording"
+            )
+        folder.mkdir(parents=True, exist_ok=True)
+        self._signals, self._is_written = folder / SIGNALS, False
         self._topics = tuple(topics)
         self._names = tuple(names)
-        self._period = period
-        self._may_skip = may_skip
-        self._steps = float("inf") if last is None else last // period + 1
+        self._period = stamps.from_seconds(p.control_period)
+        self._may_skip = p.mode == "realtime"
+        last = stamps.from_seconds(p.duration) // self._period
+        self._steps = last + 1 if last else float("inf")
         self._spool = Spool(folder)
         self._tables = [MessageTable(topic) for topic in topics]
         self._messages = [SpooledTopic(topic, self._spool) for topic in topics]
         self._masters = {i for i, topic in enumerate(topics) if topic.signal in ROLES[MASTER].writes}
-        self._pacing = [self._messages[i] for i in self._masters] if may_skip else self._messages
-        self._directory = folder / BAG if bag else None
+        self._pacing = [self._messages[i] for i in self._masters] if self._may_skip else self._messages
+        self._directory = folder / BAG if p.bag else None
         self._run = 0  # what stamps are above the instants that they mean [ns]
         self._before: int | None = None  # the same of the run before a reset, while messages of it may still come
         self._begin_bag()
@@ -135,7 +156,7 @@ class RunRecorder:
         self._before = before
         if self._bag is not None:
             self._bag.close()
-            self._directory.rename(_free(f"{self._directory}_before_reset_"))
+            self._directory.rename(free_path(Path(f"{self._directory}_before_reset_")))
             self._begin_bag()
 
     def took_all(self) -> None:
@@ -184,14 +205,22 @@ class RunRecorder:
         if self._bag is not None:
             self._bag.checkpoint_where_due()
 
-    def close(self, signals: Path) -> None:
-        """Finish the bag, and write signals.npz with all complete steps; a topic without messages is left out."""
+    @property
+    def is_complete(self) -> bool:
+        """Whether everything up to the end of the run is held."""
+        return self._paced() >= self._steps
+
+    def close(self) -> None:
+        """Finish the bag, and write signals.npz with all complete steps, once; a topic without messages is left out."""
+        if self._is_written:
+            return
+        self._is_written = True
         with closing(self._spool):
             try:
                 if self._bag is not None:
                     self._bag.close()
             finally:  # what the bag has no room for may still fit in there
-                write_signals(signals, self._series())
+                write_signals(self._signals, self._series())
 
     def _series(self) -> Iterator[tuple[str, np.ndarray]]:
         steps = self._paced()
@@ -199,11 +228,6 @@ class RunRecorder:
         for topic, kept in zip(self._topics, self._messages, strict=True):
             if kept.count:
                 yield from zip(topic.channels, kept.series(steps), strict=True)
-
-
-def _free(name: str) -> Path:
-    """The first path NAME1, NAME2, ... that is free."""
-    return next(path for path in (Path(f"{name}{number}") for number in count(1)) if not os.path.lexists(path))
 
 
 def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path) -> None:
@@ -235,58 +259,3 @@ def _messages_of(recording: Recording, topics: Sequence[Topic], period: int) -> 
             channels = [recording.channels[name][begin : begin + BLOCK] for name in topic.channels]
             frames[:, frame.PLACES[topic.signal]] = np.stack(channels, axis=1)
         yield from zip(*(table.serialize(stamp, frames) for table in tables), strict=True)
-
-
-_ALL_TOPICS = tuple(TOPICS[signal].name for signal in RECORDED)
-
-
-@dataclass(frozen=True, slots=True)
-class RecorderParameters:
-    """What is recorded and where it goes."""
-
-    directory: str = setting("recording", about="folder for bag/ and signals.npz, made if need be", read_only=True)
-    topics: tuple[str, ...] = setting(
-        _ALL_TOPICS, choices=_ALL_TOPICS, about="topics that belong to every step of this run", read_only=True
-    )
-    bag: bool = setting(True, about="write a bag besides signals.npz", read_only=True)
-    control_period: float = setting(
-        0.01, unit="s", low=1e-4, high=1.0, about="step of the graph, the same for all nodes", read_only=True
-    )
-    mode: str = setting(
-        "lockstep",
-        choices=("lockstep", "realtime"),
-        about="lockstep: every topic has every step; realtime: a step that is missing holds the one before",
-        read_only=True,
-    )
-    duration: float = setting(
-        0.0, unit="s", low=0.0, high=LONGEST, about="the node ends when it holds this time; 0: never", read_only=True
-    )
-
-
-class OutputOfRun:
-    """Makes the folder; ParameterError if it has a recording already. `names` are the full names of the topics."""
-
-    def __init__(self, p: RecorderParameters, topics: Sequence[Topic], names: Sequence[str]) -> None:
-        self._directory = Path(p.directory)
-        if any(os.path.lexists(self._directory / name) for name in ((BAG, SIGNALS) if p.bag else (SIGNALS,))):
-            raise ParameterError(
-                f"parameter directory: {quoted(p.directory)} is refused, allowed is one without a recording"
-            )
-        self._directory.mkdir(parents=True, exist_ok=True)
-        period = stamps.from_seconds(p.control_period)
-        self._last = stamps.from_seconds(p.duration) // period * period
-        self.recorder = RunRecorder(
-            topics, names, period, self._directory, p.bag, p.mode == "realtime", self._last or None
-        )
-        self._wrote = False
-
-    @property
-    def is_complete(self) -> bool:
-        """Whether everything up to the end of the run is held."""
-        return 0 < self._last <= self.recorder.held
-
-    def write(self) -> None:
-        """Write signals.npz with all complete steps and close the bag, once."""
-        if not self._wrote:
-            self._wrote = True
-            self.recorder.close(self._directory / SIGNALS)

@@ -21,15 +21,24 @@ from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.figures.saving import FORMATS, figure_files, save_figures
-from ev_sim.recording.files_of_run import LOG, OF_ALL_RUNS, PAGE, PARAMETERS, SIGNALS, SUMMARY, atomic_file
 from ev_sim.recording.outcome import Outcome
-from ev_sim.recording.recording import Recording, save
+from ev_sim.recording.recording import (
+    LOG,
+    OF_ALL_RUNS,
+    PAGE,
+    PARAMETERS,
+    SIGNALS,
+    SUMMARY,
+    Recording,
+    atomic_file,
+    save,
+)
 from ev_sim.replay import comparing
 from ev_sim.replay.comparing import Difference, difference_of
 from ev_sim.replay.recorded import Recorded
 from ev_sim.report.summary import Summary, write_summary
 from ev_sim.report.tables import TABLES
-from ev_sim.running.node_parameters import write_parameter_file
+from ev_sim.running.offline import write_parameter_file
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.about import VEHICLE, vehicle_file
 from ev_sim.scenarios.parameter_file import ParameterFile

@@ -23,7 +23,7 @@ from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.refusal import ParameterError
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import stamp_of
-from ev_sim.recording import files_of_run
+from ev_sim.recording import recording
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import Recording, load, recording_of
 from ev_sim.recording.spool import MessageTable
@@ -247,7 +247,7 @@ def find_recorded(path: Path, namespace: str = "") -> Recorded:
     `namespace` is that of the topics, where a bag has several. ParameterError, in one line, if nothing can be read.
     """
     storage, folder = _found(path)
-    parameters = folder / files_of_run.PARAMETERS
+    parameters = folder / recording.PARAMETERS
     given = ParameterFile(parameters) if parameters.exists() else None
     if storage.name.endswith(".npz"):
         return _of_signals(storage, given)
@@ -259,14 +259,14 @@ def _found(path: Path) -> tuple[Path, Path]:
     if path.is_dir():
         if (path / _METADATA).exists():
             return path, path.parent
-        if (path / files_of_run.BAG / _METADATA).exists():
-            return path / files_of_run.BAG, path
-        if (path / files_of_run.SIGNALS).exists():
-            return path / files_of_run.SIGNALS, path
+        if (path / recording.BAG / _METADATA).exists():
+            return path / recording.BAG, path
+        if (path / recording.SIGNALS).exists():
+            return path / recording.SIGNALS, path
         below = sorted(
             each.name
             for each in path.iterdir()
-            if (each / files_of_run.BAG).is_dir() or (each / files_of_run.SIGNALS).exists()
+            if (each / recording.BAG).is_dir() or (each / recording.SIGNALS).exists()
         )
         if below:
             raise ParameterError(f"{path} has several runs, allowed is one: {', '.join(str(path / b) for b in below)}")

@@ -19,10 +19,9 @@ from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.figures.timing import timing_sheet
 from ev_sim.measures.metric import Metric
 from ev_sim.measures.samples import Parameters, Runs, own_metrics
-from ev_sim.recording.files_of_run import OF_ALL_RUNS, PAGE, SIGNALS, SUMMARY
+from ev_sim.recording.offline import true_motion
 from ev_sim.recording.outcome import Outcome
-from ev_sim.recording.recording import Recording, combined_hash, save, signal_hash
-from ev_sim.recording.truth import true_motion
+from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SIGNALS, SUMMARY, Recording, combined_hash, save, signal_hash
 from ev_sim.report.reports import report_for
 from ev_sim.report.summary import COMMAND_LINE, Difference, Summary, differences, write_summary
 from ev_sim.running.output_folder import OutputFolder

@@ -16,8 +16,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import ROLES
 from ev_sim.measures.metric import Metric
 from ev_sim.measures.samples import Parameters, Runs
-from ev_sim.recording.files_of_run import atomic_file
-from ev_sim.recording.recording import combined_hash, signal_hash
+from ev_sim.recording.recording import atomic_file, combined_hash, signal_hash
 from ev_sim.scenarios.scenario import Run, Scenario
 
 COMMAND_LINE, SCENARIO = "command line", "scenario"

@@ -20,7 +20,7 @@ from typing import Any, TextIO
 
 from ev_sim.figures.figure import DPI, Figure
 from ev_sim.measures.metric import Metric
-from ev_sim.recording.files_of_run import atomic_file
+from ev_sim.recording.recording import atomic_file
 
 TABLES = tuple(f"table.{kind}" for kind in ("csv", "md", "tex", "parquet"))
 _SPECIAL = {"\\": r"\textbackslash{}", "_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "$": r"\$", "^": r"\^{}"}

@@ -7,7 +7,7 @@ import shutil
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,9 +20,10 @@ from ev_core.nodes.stop_request import hold_back
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.refusal import shown
 from ev_sim.recording.outcome import RunFailed
+from ev_sim.recording.recording import LOG, PARAMETERS
 from ev_sim.running.children import ending_with_us, ends_with_us, same_addresses
-from ev_sim.running.node_reports import NodeReports
-from ev_sim.running.observing import enclave
+from ev_sim.running.domain import Place
+from ev_sim.running.node_reports import NodeReports, enclave
 from ev_sim.scenarios.scenario import Run
 
 
@@ -85,23 +86,17 @@ class NodeProcess:
             os.killpg(self.process.pid, kind)
 
 
-def start_node(
-    name: str, words: Sequence[str], ours: bool, run: Run, parameters: Path, domain: int, reports: NodeReports
-) -> NodeProcess:
-    """Start the node of a role by a command, with the parameters of a file and its log beside; RunFailed if it cannot.
-
-    It has a line to the runner, on which its `reports` come.
+def _started(name: str, words: Sequence[str], ours: bool, place: Place, reports: NodeReports) -> NodeProcess:
+    """The node of a role, by a command, with its log and a line to the runner, on which its `reports` come.
 
     Ctrl-C and SIGTERM wait until a node of `ours` can stop in order, which takes a second of loading; the nodes of
     others may never let them in.
     """
-    logs = parameters.parent / "log"
-    logs.mkdir(exist_ok=True)
-    log = logs / f"{name}.log"
-    arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
-    arguments += [*_said_by_us(name, run, parameters.parent), *enclave(name, run.namespace)]
+    run, log = place.run, place.directory / LOG / f"{name}.log"
+    log.parent.mkdir(exist_ok=True)
+    arguments = ["--ros-args", "--params-file", str(place.directory / PARAMETERS), "-r", f"__ns:={run.namespace}"]
+    arguments += [*_said_by_us(name, run, place.directory), *enclave(name, run.namespace)]
     line, inherited = reports.line(name, ours and not run.realtime)
-    environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain), SILENTLY: "1", RUNNER_LINE: line}
     with log.open("wb") as output:
         try:
             with same_addresses():
@@ -110,7 +105,7 @@ def start_node(
                     stdin=subprocess.DEVNULL,
                     stdout=output,
                     stderr=subprocess.STDOUT,
-                    env=environment,
+                    env={**os.environ, "ROS_DOMAIN_ID": str(place.domain), SILENTLY: "1", RUNNER_LINE: line},
                     pass_fds=[inherited],
                     preexec_fn=_before_exec(ours),
                     start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
@@ -154,20 +149,13 @@ _PATIENCE, _AT_THE_END = 2.0, 10.0
 
 
 @contextmanager
-def started_nodes(
-    names: Iterable[str],
-    own: Mapping[str, Sequence[str]],
-    run: Run,
-    parameters: Path,
-    domain: int,
-    reports: NodeReports,
-) -> Iterator[list[NodeProcess]]:
-    """The processes of nodes by name, with commands of others for some of them; RunFailed if one cannot be started."""
+def started_nodes(place: Place, own: Mapping[str, Sequence[str]], reports: NodeReports) -> Iterator[list[NodeProcess]]:
+    """The processes of all nodes, with commands of others for some of them; RunFailed if one cannot be started."""
     nodes: list[NodeProcess] = []
     try:
-        for name in names:
+        for name in place.parameters:
             words = own.get(name)
-            nodes.append(start_node(name, words or command(name), not words, run, parameters, domain, reports))
+            nodes.append(_started(name, words or command(name), not words, place, reports))
         yield nodes
     except BaseException:
         _stop(nodes, _PATIENCE)

@@ -1,7 +1,8 @@
-"""What the nodes of a run report to the runner that has started them, each on its line (`nodes/runner_line.py`)."""
+"""What a runner sees of the nodes of a run: what each reports on its line, and the graph, by a node of its own."""
 
 from __future__ import annotations
 
+import os
 import secrets
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -10,18 +11,57 @@ from math import inf
 from typing import Any
 
 import numpy as np
+import rclpy
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
 
 from ev_core.lockstep.stepper import WRITERS
 from ev_core.lockstep.tally import Tally
 from ev_core.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME_SERVICE, TIMING, WAITS, WARNING, ListeningEnd, Word
+from ev_core.nodes.time_of_day import Alarm, refuse_late_time_of_day
+from ev_core.run_role import one_line, refuse_weak_security, security_is_asked_for
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, SIZE, places
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import shown
-from ev_sim.recording.outcome import announce
+from ev_sim.recording.outcome import Outcome, RunFailed, announce
 from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run
+
+
+@contextmanager
+def observing(namespace: str, domain: int, name: str) -> Iterator[Node]:
+    """A node in the graph of a domain; RunFailed where ROS 2 refuses it, as without keys, or fails."""
+    refuse_unready()
+    context = rclpy.Context()
+    try:
+        try:
+            rclpy.init(args=enclave(name, namespace), context=context, domain_id=domain)
+            observer = Node(name, context=context, namespace=namespace, start_parameter_services=False)
+        except RuntimeError as error:
+            raise RunFailed(one_line(error)) from None
+        with Alarm(observer):
+            yield observer
+        observer.destroy_node()
+    except rclpy_implementation.RCLError as error:
+        raise RunFailed(one_line(error)) from None
+    finally:
+        context.try_shutdown()
+
+
+def refuse_unready() -> None:
+    """RunFailed where ROS 2 would leave security away in silence, or could send nothing at this time of day."""
+    try:
+        refuse_weak_security(os.environ)
+        refuse_late_time_of_day()
+    except RuntimeError as error:
+        raise RunFailed(one_line(error)) from None
+
+
+def enclave(node: str, namespace: str) -> list[str]:
+    """The ROS arguments that name the keys of a process, where security is asked for."""
+    return ["--ros-args", "--enclave", f"{namespace}/{node}"] if security_is_asked_for(os.environ) else []
+
 
 _BLOCK = 256  # steps
 _NAMED = 20  # warnings; more than these are counted only
@@ -31,13 +71,13 @@ _WRITER_OF = {TOPICS[signal].name: writer for signal, writer in WRITERS.items()}
 class NodeReports:
     """Simulated time, lines for the user, and whether the nodes of the run have taken messages of each other alone."""
 
-    def __init__(self, namespace: str) -> None:
+    def __init__(self, namespace: str, realtime: bool = False) -> None:
         self.time = 0.0
         self._warnings: dict[str, None] = {}
         self._more_warnings = 0
         self.timing: dict[str, Any] = {}  # how well real time was kept, as the master reports at its end
         self.rests = False  # whether a service has stopped time
-        self._namespace = namespace.rstrip("/")
+        self._namespace, self._realtime = namespace.rstrip("/"), realtime
         self._key = secrets.token_bytes()
         self._lines: dict[str, ListeningEnd] = {}
         self._words: list[str] = []
@@ -142,6 +182,12 @@ class NodeReports:
             tally.add(step, at, at)
         return tally.newest(len(recording.time) - 1, -1)
 
+    def outcome(self, recording: Recording, wall_time: float) -> Outcome:
+        """What a run has given that was driven over DDS, and why it may not give the same numbers again."""
+        by_the_clock = ["driven by the wall clock"] if self._realtime else []
+        reasons = (*by_the_clock, *self.warnings, *self.others_heard(recording))
+        return Outcome(recording, wall_time, reasons, self.notes, self.timing)
+
     def close(self) -> None:
         """Hang up."""
         for line in self._lines.values():
@@ -154,9 +200,9 @@ def _differ(taken: Mapping[str, int], sent: Mapping[str, int]) -> bool:
 
 
 @contextmanager
-def node_reports(namespace: str) -> Iterator[NodeReports]:
+def node_reports(namespace: str, realtime: bool = False) -> Iterator[NodeReports]:
     """For the time of a run; where that does not come to its end, what was noted is printed all the same."""
-    found = NodeReports(namespace)
+    found = NodeReports(namespace, realtime)
     try:
         yield found
     except BaseException:
@@ -166,12 +212,3 @@ def node_reports(namespace: str) -> Iterator[NodeReports]:
         raise
     finally:
         found.close()
-
-
-def not_reproducible(run: Run, reports: NodeReports, recording: Recording) -> tuple[str, ...]:
-    """Why a run that was driven over DDS may not give the same numbers again."""
-    return (
-        *(["driven by the wall clock"] if run.realtime else []),
-        *reports.warnings,
-        *reports.others_heard(recording),
-    )

@@ -1,16 +1,61 @@
-"""Runs of scenarios without ROS: the same objects, the same order, the same numbers, in one process."""
+"""Runs of scenarios without ROS, and the parameters of their nodes, as ROS takes them."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
-from ev_sim.recording.files_of_run import BAG, PARAMETERS, SIGNALS
-from ev_sim.recording.offline import load_compiled, run_offline
+import yaml
+
+from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER
+from ev_msgs_py.contract.topics import Topic
+from ev_sim.recording.offline import load_compiled, run_offline, written_topics
 from ev_sim.recording.outcome import Outcome, Progress
-from ev_sim.recording.recording import save
-from ev_sim.running.node_parameters import node_parameters, recorded_topics, write_parameter_file
+from ev_sim.recording.recording import BAG, PARAMETERS, SIGNALS, atomic_file, save
 from ev_sim.scenarios.scenario import Run
+
+
+def recorded_topics(run: Run) -> list[Topic]:
+    """The topics of a run that its recorder takes."""
+    return [topic for topic in written_topics(run.configurations) if topic.signal in RECORDED]
+
+
+def node_parameters(
+    run: Run, directory: Path, bag: bool, besides: Mapping[str, Mapping[str, Any]] | None = None
+) -> dict[str, dict[str, Any]]:
+    """Dotted names and values for every role and the recorder; `directory` is where the recorder writes.
+
+    The parameters of roles in `besides` go before their own.
+    """
+    nodes = {
+        role: {name: _plain(value) for name, value in configuration.values().items() if value != ()}
+        | dict((besides or {}).get(role, {}))
+        for role, configuration in run.configurations.items()
+    }
+    nodes[MASTER]["await_recorder"] = True
+    common = run.configurations[MASTER].common
+    nodes[RECORDER] = {
+        "directory": str(directory),
+        "topics": [topic.name for topic in recorded_topics(run)],
+        "bag": bag,
+        "control_period": common.control_period,
+        "mode": common.mode,
+        "duration": run.duration,
+    }
+    return nodes
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value
+
+
+def write_parameter_file(path: Path, run: Run, nodes: dict[str, dict[str, Any]]) -> None:
+    """One ROS parameter file with all parameters of the nodes of a run."""
+    content = {f"{run.namespace}/{node}": {"ros__parameters": values} for node, values in nodes.items()}
+    with atomic_file(path) as file:
+        file.write(yaml.safe_dump(content, sort_keys=False).encode())
 
 
 def drive_offline(run: Run, progress: Progress = lambda time: None) -> Outcome:

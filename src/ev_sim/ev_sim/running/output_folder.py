@@ -6,18 +6,17 @@ import fcntl
 import fnmatch
 import glob
 import hashlib
-import itertools
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, nullcontext, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path, PurePosixPath
 
 from ev_core.parameters.data_file import TABLE, read_data
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.recording.files_of_run import _BEFORE_RESET, BAG, LOG, PARAMETERS, RECORDED, atomic_file
 from ev_sim.recording.outcome import announce
+from ev_sim.recording.recording import BAG, BEFORE_RESET, LOG, PARAMETERS, RECORDED, atomic_file, free_path
 from ev_sim.scenarios.scenario import Run
 
 MANIFEST = "ev_stack_manifest.json"
@@ -69,6 +68,17 @@ def is_file(path: Path) -> bool:
 def is_folder(path: Path) -> bool:
     """Whether it is a folder and no link to one."""
     return path.is_dir() and not path.is_symlink()
+
+
+@contextmanager
+def locked(folder: Path, how: int) -> Iterator[None]:
+    """A lock of a folder, as `fcntl.flock` takes it, for the block, or until this process and its children end."""
+    held = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(held, how)
+        yield
+    finally:
+        os.close(held)
 
 
 def digest_of(path: Path) -> str:
@@ -185,10 +195,8 @@ class OutputFolder:
 
     def _hold(self, folder: Path, locks: ExitStack) -> None:
         folder.mkdir(parents=True, exist_ok=True)
-        held = os.open(folder, os.O_RDONLY)
-        locks.callback(os.close, held)
         try:
-            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            locks.enter_context(locked(folder, fcntl.LOCK_EX | fcntl.LOCK_NB))
         except BlockingIOError:
             raise ParameterError(f"{folder}: another run is writing there, allowed is another folder") from None
 
@@ -203,12 +211,12 @@ class OutputFolder:
 
     def _finished(self, before: Files) -> Files:
         """What is as the writer has left it; a file that the user has removed is simply gone."""
-        finished = {name: digest for name, digest in before.items() if digest}
-        for name, digest in list(finished.items()):
-            if [name] != list(there(self.directory, glob.escape(name))):
-                del finished[name]
-            elif not is_file(self.directory / name) or digest_of(self.directory / name) != digest:
-                raise self._refused(name, "was changed since")
+        finished = {}
+        for name, digest in before.items():
+            if digest and [name] == list(there(self.directory, glob.escape(name))):
+                if not is_file(self.directory / name) or digest_of(self.directory / name) != digest:
+                    raise self._refused(name, "was changed since")
+                finished[name] = digest
         return finished
 
     def _unfinished(self, before: Files) -> list[str]:
@@ -254,16 +262,12 @@ class OutputFolder:
         return ParameterError(f"{self._given}: {name} there {why}, allowed is another folder")
 
     def _move(self, names: Sequence[str]) -> None:
-        if not names:
-            return
-        for number in itertools.count(1):
-            earlier = self.directory / f"earlier_{number}"
-            if not os.path.lexists(earlier):
-                break
+        earlier = free_path(self.directory / "earlier_")
         for name in names:
             (earlier / name).parent.mkdir(parents=True, exist_ok=True)
             (self.directory / name).rename(earlier / name)
-        announce(f"note: what an earlier run had not finished is in {earlier} now")
+        if names:
+            announce(f"note: what an earlier run had not finished is in {earlier} now")
 
     def _prune(self, names: Iterable[str], but: Sequence[Path]) -> None:
         """Remove what is empty of the folders that files of these patterns were or will be in."""
@@ -286,7 +290,7 @@ def forget_recording(directory: Path) -> None:
 
 def files_of_run(run: Run) -> Iterable[str]:
     """Patterns of all files that can be there when a run has ended, however it has."""
-    yield from (PARAMETERS, *RECORDED, *_BEFORE_RESET)
+    yield from (PARAMETERS, *RECORDED, *BEFORE_RESET)
     yield from (f"{LOG}/{glob.escape(name)}.log" for name in (*run.configurations, RECORDER))
     gateway = run.configurations.get("inverter_gateway")
     if gateway and gateway.parameters.bus.log:

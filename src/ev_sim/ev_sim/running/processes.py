@@ -1,27 +1,33 @@
-"""Every node of a run as its own process, watched until plant and recorder have come to their end."""
+"""A run over DDS: all nodes in this process, or each as its own, watched up to the end of plant and recorder."""
 
 from __future__ import annotations
 
 import math
+import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
+
+import rclpy
+from rclpy.parameter import Parameter
 
 from ev_core.node_loop import ordinary_steps
-from ev_core.nodes.stop_request import StopRequest
+from ev_core.nodes.runner_line import RUNNER_LINE
+from ev_core.nodes.spinning import spin
+from ev_core.nodes.stepped_node import SteppedNode
 from ev_core.nodes.time_of_day import SetBack, ahead
+from ev_core.run_role import OF_ROS, node_maker, one_line, security_is_asked_for
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER
-from ev_sim.recording.files_of_run import PARAMETERS, SIGNALS
+from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.recording.outcome import Outcome, Progress, RunFailed, announce
-from ev_sim.recording.recording import load
-from ev_sim.running.domain import free_domain, own_namespace
-from ev_sim.running.node_parameters import node_parameters, write_parameter_file
+from ev_sim.recording.recording import SIGNALS, load
+from ev_sim.running.domain import Place, own_place
 from ev_sim.running.node_process import NodeProcess, started_nodes
-from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible
-from ev_sim.running.observing import refuse_unready
+from ev_sim.running.node_reports import NodeReports, node_reports, observing, refuse_unready
 from ev_sim.running.output_folder import forget_recording
-from ev_sim.running.real_bus import real_bus
 from ev_sim.scenarios.scenario import Run
 
 _TO_BEGIN = 3.0  # s for the first step behind a time of day that was set back; nodes announce themselves again
@@ -122,8 +128,9 @@ _TO_CATCH_UP = 20.0  # s more for a recorder behind a plant in real time that ha
 class WatchedRun:
     """Follows simulated time and the processes of a run, and names the node that does not answer."""
 
-    def __init__(self, run: Run, nodes: Sequence[NodeProcess], reports: NodeReports) -> None:
-        self._run, self._nodes, self._reports = run, nodes, reports
+    def __init__(self, place: Place, nodes: Sequence[NodeProcess], reports: NodeReports) -> None:
+        run = place.run
+        self._place, self._run, self._nodes, self._reports = place, run, nodes, reports
         self._last = stamps.to_seconds(stamps.from_seconds(run.duration) // run.period * run.period)
         answer_timeout = run.configurations[MASTER].extra.answer_timeout
         pids = {node.name: node.process.pid for node in nodes}
@@ -132,14 +139,14 @@ class WatchedRun:
         self._began: float | None = None  # wall time of the last look at a car at rest in time
         self._arrived: float | None = None  # wall time of the first look at a car at its last instant
 
-    def drive(self, beginning: Beginning, progress: Progress, stop: StopRequest) -> bool:
+    def drive(self, beginning: Beginning, progress: Progress) -> bool:
         """Watch the run up to its end; False, with a line, where it has not begun and never will.
 
         RunFailed if a node ends before the run does, KeyboardInterrupt if a stop is asked for.
         """
         ending = {MASTER, RECORDER}
         while ending:
-            if stop.received:
+            if self._place.stop.received:
                 raise KeyboardInterrupt
             looked = time.monotonic()
             time.sleep(_LOOK_PERIOD)
@@ -156,15 +163,14 @@ class WatchedRun:
         progress(self._run.duration)
         return True
 
-    def outcome(self, directory: Path) -> Outcome:
+    def outcome(self) -> Outcome:
         """What a run gave that has come to its end, and its nodes as well; RunFailed if its recorder was stopped."""
         self._reports.look()
-        recording = load(directory / SIGNALS)
+        recording = load(self._place.directory / SIGNALS)
         if recording.time[-1] < self._last - 0.5 * stamps.to_seconds(self._run.period):  # real time does not wait
             raise RunFailed(f"node {RECORDER} was stopped, at {recording.time[-1]:g} s of simulated time")
         wall_time = self._arrived - self._began if self._arrived and self._began else 0.0
-        warnings = not_reproducible(self._run, self._reports, recording)
-        return Outcome(recording, wall_time, warnings, self._reports.notes, self._reports.timing)
+        return self._reports.outcome(recording, wall_time)
 
     def _follow_time(self, looked: float) -> None:
         before = self._reports.time
@@ -204,23 +210,83 @@ def run_in_processes(
     came. All nodes are stopped then.
     """
     refuse_unready()
-    file = directory / PARAMETERS
     ordinary_steps.keep_code()  # updated sources do not mean a new set-up
-    with (
-        free_domain() as domain,
-        own_namespace(domain, run.namespace),
-        StopRequest(patient=True) as stop,
-        real_bus(run, domain, directory) as bus,
-    ):
-        parameters = node_parameters(run, directory, bag, bus)
-        write_parameter_file(file, run, parameters)
+    with own_place(run, directory, bag) as place:
         while True:
             beginning = Beginning(patient=bool(own_nodes))
-            with node_reports(run.namespace) as reports:
-                announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
-                with started_nodes(parameters, own_nodes or {}, run, file, domain, reports) as nodes:
-                    watched = WatchedRun(run, nodes, reports)
-                    has_begun = watched.drive(beginning, progress, stop)
+            with node_reports(run.namespace, run.realtime) as reports:
+                with started_nodes(place, own_nodes or {}, reports) as nodes:
+                    watched = WatchedRun(place, nodes, reports)
+                    has_begun = watched.drive(beginning, progress)
                 if has_begun:  # all have reported their last
-                    return watched.outcome(directory)
+                    return watched.outcome()
             forget_recording(directory)
+
+
+_OBSERVER = "run_scenario"  # the name of what is in the graph beside the nodes
+_GLANCE_PERIOD = 0.1  # s of wall time between looks at simulated time
+
+
+def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
+    """Drive a run to its end; everything that the recorder writes is in `directory` then.
+
+    KeyboardInterrupt, when all nodes have finished what they did, if Ctrl-C or SIGTERM came before the end.
+    """
+    if security_is_asked_for(os.environ):
+        raise RunFailed("--in-process: DDS security gives keys to processes, not to nodes; drive one process per node")
+    nodes: list[SteppedNode] = []
+    with (
+        own_place(run, directory, bag) as place,
+        observing(run.namespace, place.domain, _OBSERVER) as observer,
+        node_reports(run.namespace, run.realtime) as reports,
+    ):
+        try:
+            for name, values in place.parameters.items():
+                with _line(reports, name, not run.realtime):
+                    nodes.append(_node(name, run.namespace, values, observer.context))
+            recorder = nodes[-1]
+            next_look = 0.0
+
+            def finished() -> bool:
+                nonlocal next_look
+                if time.monotonic() >= next_look:
+                    reports.look()
+                    progress(reports.time)
+                    next_look = time.monotonic() + _GLANCE_PERIOD
+                return recorder.done or place.stop.received
+
+            start = time.monotonic()
+            spin(nodes, finished)
+            wall_time = time.monotonic() - start
+            if not recorder.done:
+                raise KeyboardInterrupt
+            progress(run.duration)
+        except OF_ROS as error:  # what ends a node that is a process of its own
+            raise RunFailed(one_line(error)) from None
+        finally:
+            for node in nodes:
+                node.close()
+                node.destroy_node()
+            reports.look()
+    return reports.outcome(load(directory / SIGNALS), wall_time)
+
+
+@contextmanager
+def _line(reports: NodeReports, node: str, adds_up: bool) -> Iterator[None]:
+    """What is made in the block finds the line of a node in the environment, as a process would."""
+    os.environ[RUNNER_LINE], _ = reports.line(node, adds_up)
+    try:
+        yield
+    finally:
+        del os.environ[RUNNER_LINE]
+        reports.started(node)
+
+
+def parameter_overrides(values: Mapping[str, Any]) -> list[Parameter]:
+    """Dotted names and values as a node takes them."""
+    return [Parameter(name, value=value) for name, value in values.items()]
+
+
+def _node(name: str, namespace: str, values: dict, context: rclpy.Context) -> object:
+    arguments = {"context": context, "namespace": namespace, "parameter_overrides": parameter_overrides(values)}
+    return RecorderNode(**arguments) if name == RECORDER else node_maker(name)(**arguments)

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from ev_core.nodes.master.schedule import TIME_SERVICES
 from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER_WRITES, ROLES, Role
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.running.node_parameters import RECORDER
+from ev_sim.running.offline import RECORDER
 from ev_sim.test_bench.sequence import SERVICES
 
 _CLOCK = frozenset({"/clock"})

@@ -185,15 +185,10 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     latest = [found for what in FAULTS if FAULTS[what].named for found in _all(given, results, what)]
     passed = sum(not wrong(what, r) for what in FAULTS for r in _all(given, results, what))
     return {
-        "passed": metric(lambda: float(passed), "1"),
-        "trials": metric(lambda: float(len(results)), "1"),
+        "passed": Metric(float(passed), "1"),
+        "trials": Metric(float(len(results)), "1"),
         "latest_zero_torque": metric(lambda: max(r.measured["gone_after"] for r in latest), "s"),
     }
-
-
-def rows(given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
-    """One row for each fault."""
-    return [_row(given, results, what) for what in FAULTS]
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
@@ -206,14 +201,18 @@ def _all(given: argparse.Namespace, results: Results, what: str) -> list[CaseRes
     return [results[f"{what} {seed}"] for seed in range(given.seeds)]
 
 
-def _row(given: argparse.Namespace, results: Results, what: str) -> tuple[str, ...]:
-    found, fault = _all(given, results, what), FAULTS[what]
-    passed = sum(not wrong(what, result) for result in found)
-    driven = [result.measured for result in found if not result.refused]
-    gone = _times([m["gone_after"] for m in driven]) if fault.named else "keeps a tenth"
-    other = _times([m["other_gone_after"] for m in driven]) if fault.both else "keeps its torque"
-    return what, f"{passed} of {len(found)}", gone, other, fault.named or "Derating"
+def rows(given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
+    """One row for each fault."""
+    found = []
+    for what, fault in FAULTS.items():
+        trials = _all(given, results, what)
+        passed = sum(not wrong(what, result) for result in trials)
+        gone = _times(trials, "gone_after") if fault.named else "keeps a tenth"
+        other = _times(trials, "other_gone_after") if fault.both else "keeps its torque"
+        found.append((what, f"{passed} of {len(trials)}", gone, other, fault.named or "Derating"))
+    return found
 
 
-def _times(times: list[float]) -> str:
+def _times(trials: Sequence[CaseResult], quantity: str) -> str:
+    times = [result.measured[quantity] for result in trials if not result.refused]
     return f"{1e3 * min(times):.0f} to {1e3 * max(times):.0f} ms" if times else "-"

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from ev_core.methods.register import methods_of, node_package
 from ev_sim.driver.path import nearest, path_of
 from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.panels import Curve, Panel
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, metric
+from ev_sim.measures.metric import Metric
 from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results
+from ev_sim.study.study import Case, Results, own_methods
 
 BEGIN = 5.0  # of the fault [s]
 DURATION = 10.0  # [s]
@@ -82,10 +82,7 @@ def values_of(road: str, law: str, asr: str, fault: str) -> tuple[tuple[str, str
         ("asr", "method", asr),
         ("steering_column", "method", column),
         *((("asr", "plausibility.keep_difference", column != "manual"),) if asr == "limp_home" else ()),
-        *(
-            (role, "faults", [f"{text} from {BEGIN:g}{until}" for text in texts])
-            for role, texts in FAULTS[fault].items()
-        ),
+        *((role, "faults", [f"{each} from {BEGIN:g}{until}" for each in of]) for role, of in FAULTS[fault].items()),
     )
 
 
@@ -103,8 +100,7 @@ SHORTEST = BEGIN
 
 def laws() -> list[str]:
     """All electronic differentials of the package that brings the node; two of them on another column as well."""
-    own = [name for name, method in methods_of(ROLE).items() if method.package == node_package(ROLE)]
-    return [*own, *(name + POWERED for name in ("equal_torque", DRAWN))]
+    return [*own_methods(ROLE), *(name + POWERED for name in ("equal_torque", DRAWN))]
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -171,9 +167,9 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     found: dict[str, Metric] = {}
     for law in given.laws or laws():
         names = [name_of(f, law, OFF, road) for f in given.faults or FAULTS if f != SOUND for road in ROADS]
-        driven = [results[name] for name in names if not results[name].refused and results[name].measured]
-        if driven:
-            found[f"safe_{law}"] = metric(lambda d=driven: float(sum(is_safe(given, r.measured) for r in d)), "1")
+        safe = [is_safe(given, results[name].measured) for name in names if results[name].measured]
+        if safe:
+            found[f"safe_{law}"] = Metric(float(sum(safe)), "1")
     return found
 
 
@@ -182,36 +178,32 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     found = []
     for fault, law, asr in _combinations(given):
         measured = [results[name_of(fault, law, asr, road)].measured for road in ROADS]
-        if not any(measured):
-            continue
-        cells = [_cells(given, m) if m else ("–",) * 4 for m in measured]
-        found.append((fault, law, asr, *(cell for four in cells for cell in four)))
+        if any(measured):
+            found.append((fault, law, asr, *(cell for of_road in measured for cell in _cells(given, of_road))))
     return found
 
 
 def _cells(given: argparse.Namespace, measured: Mapping[str, Any]) -> tuple[str, ...]:
+    if not measured:
+        return ("–",) * len(_ON_A_ROAD)
     numbers = (f"{measured[name]:.{n}f}" for name, n in (("path_error", 2), ("yaw_rate_error", 1), ("sideslip", 1)))
     return (*numbers, "yes" if is_safe(given, measured) else "no")
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """Deviation from the path, yaw rate error and hand torque over time: power steering with a dead motor."""
+    shown = (
+        ("deviation", "from the path, left positive", "m"),
+        ("yaw_rate", "yaw rate less that of the path", "deg/s"),
+    )
+    pairs = [(SOUND, OFF), *((fault, asr) for fault in OF_MOTORS[:2] for asr in (OFF, LIMP))]
     panels = []
-    for law, road in ((law, road) for law in (DRAWN, DRAWN + POWERED) for road in ROADS):
-        for quantity, title, unit in (
-            ("deviation", "from the path, left positive", "m"),
-            ("yaw_rate", "yaw rate less that of the path", "deg/s"),
-        ):
-            drawn = {
-                f"{fault}, {asr}": results.get(name_of(fault, law, asr, road))
-                for fault in (SOUND, *OF_MOTORS[:2])
-                for asr in (OFF, LIMP)
-                if fault != SOUND or asr == OFF
-            }
-            curves = [
-                Curve(result.measured["time"], result.measured[quantity], label)
-                for label, result in drawn.items()
-                if result is not None and "time" in result.measured
-            ]
-            panels.append(Panel(f"{law}, {road}: {title}", unit, tuple(curves)))
+    for law, road, (quantity, title, unit) in itertools.product((DRAWN, DRAWN + POWERED), ROADS, shown):
+        drawn = {f"{fault}, {asr}": results.get(name_of(fault, law, asr, road)) for fault, asr in pairs}
+        curves = [
+            Curve(result.measured["time"], result.measured[quantity], label)
+            for label, result in drawn.items()
+            if result is not None and "time" in result.measured
+        ]
+        panels.append(Panel(f"{law}, {road}: {title}", unit, tuple(curves)))
     return {DRAWN: sheet(panels, "time [s]")}

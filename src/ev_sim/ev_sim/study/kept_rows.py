@@ -25,9 +25,8 @@ import numpy as np
 from ev_core.methods.register import Method
 from ev_core.parameters.data_file import SIGNALS, config_folders, files_read, read_data
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.files_of_run import atomic_file
 from ev_sim.recording.outcome import RunFailed
-from ev_sim.recording.recording import Recording, save
+from ev_sim.recording.recording import Recording, atomic_file, save
 from ev_sim.report.summary import PACKAGES, versions
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, CaseResult, Measure, run_of
@@ -61,20 +60,16 @@ def _file(module: str) -> Path | None:
 
 def _imports(module: str, file: Path) -> Iterator[str]:
     """The modules that a text may mean; a name that is imported from a package may be one, too."""
-    if file.suffix != ".py":
-        return
     package = module if file.name == "__init__.py" else module.rpartition(".")[0]
-    for node in ast.walk(ast.parse(file.read_bytes())):
-        if isinstance(node, ast.Import):
+    for node in ast.walk(ast.parse(file.read_bytes() if file.suffix == ".py" else "")):
+        if isinstance(node, ast.Import | ast.ImportFrom):
             names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            base = resolve_name("." * node.level + (node.module or ""), package)
-            names = [base, *(f"{base}.{alias.name}" for alias in node.names)]
-        else:
-            continue
-        for name in names:
-            parts = name.split(".")
-            yield from (".".join(parts[: n + 1]) for n in range(len(parts)))
+            if isinstance(node, ast.ImportFrom):
+                base = resolve_name("." * node.level + (node.module or ""), package)
+                names = [base, *(f"{base}.{name}" for name in names)]
+            for name in names:
+                parts = name.split(".")
+                yield from (".".join(parts[: n + 1]) for n in range(len(parts)))
 
 
 NEVER_DRIVES = ("ev_sim/commands", "ev_sim/dashboard", "ev_sim/report/page")
@@ -191,9 +186,7 @@ class KeptRows:
     def of(self, case: Case) -> CaseResult | None:
         """The result of a case if it was driven before."""
         found = self._results.get(self._keys.get(case.name, ""))
-        if found is None:
-            return None
-        return result_of(found, case.name)
+        return None if found is None else result_of(found, case.name)
 
     def keep(self, case: Case, result: CaseResult) -> None:
         """Write a result, at once; one that was refused is not worth it. RunFailed if its files are others by now."""

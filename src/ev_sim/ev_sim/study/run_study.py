@@ -17,8 +17,8 @@ from ev_sim.command_line.refusal import Parser
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.measures.metric import Metric
-from ev_sim.recording.files_of_run import OF_ALL_RUNS, PAGE, SUMMARY
 from ev_sim.recording.outcome import RunFailed, bar_of_runs
+from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SUMMARY
 from ev_sim.report.summary import versions, write_summary
 from ev_sim.report.tables import TABLES, print_metrics, text_table, write_tables
 from ev_sim.running.output_folder import OutputFolder
@@ -65,9 +65,11 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
             f"--duration {common.duration:g} is refused: what this study measures comes later, "
             f"allowed is {shortest:g} s or more"
         )
-    _refuse_same_names(cases)
-    changed = _changed(common)
+    changed, names = _changed(common), set[str]()
     for case in cases:
+        if case.name in names:
+            raise ParameterError(f"case {quoted(case.name)} is there twice, allowed is once")
+        names.add(case.name)
         _refuse_what_it_sets(case, changed)
         if common.vehicle and case.vehicle:
             raise ParameterError(f"--vehicle is refused: case {quoted(case.name)} sets it itself, {case.vehicle}")
@@ -101,14 +103,6 @@ def _refuse_unused(study: Study, given: argparse.Namespace, cases: Sequence[Case
         refuse_unused_values(named, runs)
 
 
-def _refuse_same_names(cases: Iterable[Case]) -> None:
-    seen: set[str] = set()
-    for case in cases:
-        if case.name in seen:
-            raise ParameterError(f"case {quoted(case.name)} is there twice, allowed is once")
-        seen.add(case.name)
-
-
 def _changed(common: Overrides) -> list[tuple[str, str]]:
     """Node and name of each parameter that goes before those of the cases; a file of parameters only names files so."""
     in_files = (name for file in common.files for name in ParameterFile(file).names())
@@ -120,15 +114,12 @@ def _refuse_what_it_sets(case: Case, changed: Iterable[tuple[str, str]]) -> None
     """ParameterError for what would silently take the place of what a case sets, and is called by."""
     for node, name in changed:
         for its_node, its_name, _ in case.values:
-            if (node == its_node or _EVERY_NODE in (node, its_node)) and _takes_the_place(name, its_name):
+            # the same parameter, or a file of which that is read: speed_profile.file of speed_profile.time
+            is_it = name == its_name or (name.endswith(_FILE) and its_name.startswith(name.removesuffix(_FILE)))
+            if is_it and (node == its_node or _EVERY_NODE in (node, its_node)):
                 raise ParameterError(
                     f"{node}.{name} is refused: case {quoted(case.name)} sets {its_node}.{its_name} itself"
                 )
-
-
-def _takes_the_place(name: str, its_name: str) -> bool:
-    """Whether it is the same parameter, or a file of which that is read: speed_profile.file of speed_profile.time."""
-    return name == its_name or (name.endswith(_FILE) and its_name.startswith(name.removesuffix(_FILE)))
 
 
 def run_study(name: str, argv: Sequence[str]) -> None:
@@ -256,24 +247,22 @@ def _summary(
         "options": {key: str(value) for key, value in sorted(vars(given).items()) if value is not None},
         "metrics": {key: metric.as_json() for key, metric in metrics.items()},
         "signal_hash": hashlib.sha256(hashes.encode()).hexdigest(),
-        "cases": {
-            case.name: {
-                "scenario": case.scenario,
-                "run": case.run,
-                "values": [list(value) for value in case.values],
-                "signal_hash": results[case.name].signal_hash,
-                "refused": results[case.name].refused,
-                "notes": list(results[case.name].notes),
-                "signals": signals.get(case.name),
-                "measured": {
-                    key: value
-                    for key, value in results[case.name].measured.items()
-                    if isinstance(value, str | int | float | bool | None)
-                },
-            }
-            for case in cases
-        },
+        "cases": {case.name: _entry(case, results[case.name], signals.get(case.name)) for case in cases},
         "simulated_time": sum(result.simulated_time for result in results.values()),
         "wall_time": wall_time,
         "versions": versions(),
+    }
+
+
+def _entry(case: Case, result: CaseResult, signals: str | None) -> dict[str, Any]:
+    plain = {key: each for key, each in result.measured.items() if isinstance(each, str | int | float | bool | None)}
+    return {
+        "scenario": case.scenario,
+        "run": case.run,
+        "values": [list(value) for value in case.values],
+        "signal_hash": result.signal_hash,
+        "refused": result.refused,
+        "notes": list(result.notes),
+        "signals": signals,
+        "measured": plain,
     }

@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from ev_core.methods.register import offered, offered_module
+from ev_core.methods.register import methods_of, node_package, offered, offered_module
 from ev_msgs_py.refusal import unknown_name
 from ev_sim.measures.metric import Metric, NotMeasured, metric
+from ev_sim.recording.offline import run_offline, true_motion
 from ev_sim.recording.recording import Recording, signal_hash
-from ev_sim.recording.truth import true_motion
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 Measure = Callable[[Recording, Run], Mapping[str, Any]]  # of the true motion
@@ -60,8 +60,6 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
     A case that its parameters, a law on this vehicle, or a signal that is not finite forbid comes back as refused, and
     so does one that is driven, with its hash, and cannot be measured. OSError if its signals cannot be written.
     """
-    from ev_sim.recording.offline import run_offline  # numba is slow to import, and a list of studies drives nothing
-
     try:
         run = run_of(case)
         start = time.monotonic()
@@ -147,6 +145,11 @@ def rows_of_cases(results: Results, quantities: Iterable[str]) -> list[tuple[str
         (*name.split(": "), *(f"{result.measured[quantity]:.3g}" for quantity in quantities))
         for name, result in results.items()
     ]
+
+
+def own_methods(role: str) -> list[str]:
+    """The methods of the package that brings the node of a role."""
+    return [name for name, method in methods_of(role).items() if method.package == node_package(role)]
 
 
 def study_names() -> list[str]:

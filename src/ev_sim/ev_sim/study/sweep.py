@@ -106,10 +106,8 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     found = dict(report_for(run.report).metrics(runs, run.configurations[MASTER].common.vehicle, parameters))
     found |= own_metrics(run.metrics, runs)
     known = {name: metric for name, metric in found.items() if metric.value is not None}
-    return {
-        **{name: metric.value for name, metric in known.items()},
-        "units": {name: metric.unit for name, metric in known.items()},
-    }
+    units = {name: metric.unit for name, metric in known.items()}
+    return {**{name: metric.value for name, metric in known.items()}, "units": units}
 
 
 def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:

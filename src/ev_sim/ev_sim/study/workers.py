@@ -15,6 +15,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from typing import TYPE_CHECKING
 
+from ev_sim.recording.offline import load_compiled
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.summary import versions
 from ev_sim.running.children import ends_with_us
@@ -27,14 +28,11 @@ if TYPE_CHECKING:
 _PATIENCE = 60.0  # s for a scheduler to answer and for its first worker to join
 
 
-def drive_on_cluster(
-    jobs: Sequence[tuple[Case, Measure]], progress: Callable[[CaseResult], None], scheduler: str
-) -> list[CaseResult]:
-    """The results of all cases, each with what measures it, in their order; `scheduler` is an address, tcp://HOST:PORT.
+Job = tuple[Case, Measure]
+Progress = Callable[[CaseResult], None]
 
-    The cases of a worker that is lost are driven again by others. RunFailed if there is no such scheduler, if it has no
-    workers, or if a worker computes with other versions, sources or config files than this process.
-    """
+
+def _drive_on_cluster(jobs: Sequence[Job], progress: Progress, scheduler: str) -> list[CaseResult]:
     from distributed import as_completed  # dask is slow to import
 
     with _client(scheduler) as client:
@@ -74,8 +72,6 @@ def refuse_others(client: Client) -> None:
         if digest != sources:
             raise RunFailed(f"worker {worker} has other sources or config files, allowed are those of here")
 
-
-Job = tuple[Case, Measure]
 
 _FORK = get_context("fork")
 
@@ -143,8 +139,6 @@ def _serve(connection: Connection, parents: Connection, jobs: Sequence[Job], bin
 
 _LOSSES = 3  # of workers with the same case, which then is given up
 
-Progress = Callable[[CaseResult], None]
-
 
 def drive_cases(
     cases: Sequence[Case],
@@ -162,13 +156,14 @@ def drive_cases(
     """
     jobs = [*zip(cases, [measure] * len(cases) if callable(measure) else measure, strict=True)]
     if scheduler is not None:
-        return drive_on_cluster(jobs, progress, scheduler)
+        return _drive_on_cluster(jobs, progress, scheduler)
     return _drive_here(jobs, progress, workers or len(os.sched_getaffinity(0)))
 
 
 def _drive_here(jobs: Sequence[Job], progress: Progress, count: int) -> list[CaseResult]:
     for case, _ in jobs[:1]:
-        _load(case)
+        with suppress(ValueError):  # a case that is refused comes back as refused when it is driven
+            load_compiled(run_of(case).configurations)  # once, for all workers that are forked then
     results: dict[int, CaseResult] = {}
     waiting = list(reversed(range(len(jobs))))
     losses = [0] * len(jobs)
@@ -187,24 +182,14 @@ def _drive_here(jobs: Sequence[Job], progress: Progress, count: int) -> list[Cas
                     if losses[number] == _LOSSES:
                         raise RunFailed(f"{jobs[number][0].name}: {_LOSSES} workers were lost with it") from None
                     waiting.append(number)
-                    busy.remove(worker)
-                    worker.end()
-                    continue
-                progress(results[number])
-                if waiting:
-                    worker.begin(waiting.pop())
                 else:
-                    busy.remove(worker)
-                    worker.end()
+                    progress(results[number])
+                    if waiting:
+                        worker.begin(waiting.pop())
+                        continue
+                busy.remove(worker)
+                worker.end()
     finally:
         for worker in busy:
             worker.end()
     return [results[number] for number in range(len(jobs))]
-
-
-def _load(case: Case) -> None:
-    """What driving a case needs is loaded once, for all workers that are forked then."""
-    from ev_sim.recording.offline import load_compiled
-
-    with suppress(ValueError):  # a case that is refused comes back as refused when it is driven
-        load_compiled(run_of(case).configurations)

@@ -10,7 +10,7 @@ from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.panels import Panel
 from ev_sim.figures.saving import save_figures
-from ev_sim.recording.files_of_run import atomic_file
+from ev_sim.recording.recording import atomic_file
 from ev_sim.report.page.writing import filled
 from ev_sim.verdicts.need import Driven, Need
 from ev_sim.verdicts.sources import source_named

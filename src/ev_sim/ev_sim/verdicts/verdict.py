@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ev_sim.measures.metric import FROM_INPUTS, NOT_MEASURED, NOT_REPRODUCED, REPRODUCED, Metric
-from ev_sim.recording.files_of_run import atomic_file
+from ev_sim.recording.recording import atomic_file
 from ev_sim.report.tables import text_table
 from ev_sim.verdicts.need import Driven, Need, ScenarioNeed, ScenarioRuns
 from ev_sim.verdicts.sources import ASSUMPTION, IN_PART, INPUTS, NO_VERDICT, Published, published, sources

@@ -18,8 +18,7 @@ from ev_core.parameters.declaration import entries
 from ev_core.vehicle.description import Vehicle
 from ev_sim.figures.figure import Figure
 from ev_sim.measures.samples import Runs
-from ev_sim.recording.files_of_run import atomic_file
-from ev_sim.recording.recording import Recording
+from ev_sim.recording.recording import Recording, atomic_file
 from ev_sim.report.page.top_view import PREFIX, car_of, groups_of, view_channels
 
 GAP = 0  # the code of what is not finite; numbers have the codes from 1 on
