@@ -168,8 +168,7 @@ class Inbox:
     @property
     def last(self) -> int | None:
         """The stamp of the last step; None before the first one."""
-        last: int = self.steps.done[LAST]
-        return None if last == NEVER else last
+        return None if (last := int(self.steps.done[LAST])) == NEVER else last
 
     @property
     def run(self) -> int:
@@ -196,11 +195,10 @@ class Inbox:
 
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, None if there is none."""
-        steps = self.steps
-        last = steps.done[LAST]
-        if last == NEVER or steps.may_skip:
-            return max((stamp for stamp, came in self.waiting.items() if came == steps.inputs), default=None)
-        return None if missing(steps) else last + self.period
+        last = self.steps.done[LAST]
+        if last == NEVER or self.steps.may_skip:
+            return max((stamp for stamp, came in self.waiting.items() if came == self.steps.inputs), default=None)
+        return None if missing(self.steps) else last + self.period
 
     def take(self, stamp: int) -> Frame:
         """The inputs of a complete step; older ones are forgotten."""
