@@ -13,7 +13,7 @@ from can_bus.databases import by_cantools
 from can_bus.exact_bits import exact_frame
 from can_bus.lockstep_runs import HEALTHY, driven
 
-from ev_core.bus.channel import BusLog
+from ev_core.bus.channel import bus_log
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.recording.offline import logged_frames, run_offline, write_can_log
 from ev_sim.recording.recording import Recording, signal_hash
@@ -52,7 +52,7 @@ def test_the_log_of_the_bus_is_read_by_other_tools(lossy, tmp_path, suffix):
     """100 cycles: in each two set-points and two motions on both channels, every time later than the one before."""
     run, recording = lossy
     file = tmp_path / f"bus{suffix}"
-    assert write_can_log(BusLog(str(file)), recording, run.configurations["test_bench"]) == ""
+    assert write_can_log(bus_log(str(file)), recording, run.configurations["test_bench"]) == ""
     frames = list(can.LogReader(file))
     names = [by_cantools().get_message_by_frame_id(frame.arbitration_id).name for frame in frames]
     for kind in ("SetPoint", "Motion"):

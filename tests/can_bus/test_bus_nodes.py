@@ -356,7 +356,7 @@ def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_i
 
         for _ in range(20):  # faster than cycles, so that no time-out can have passed
             send()
-            node.take("11", node.channels["11"].receive())
+            node.take("11", node.channels._channels["11"].receive())
         drive.state = float(OPERATION_ENABLED)
         node.cycle(5)
         assert drive.torque > 40.0

@@ -22,7 +22,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from ev_core.bus import channel as channel_module
-from ev_core.bus.channel import BusLog, BusMeter, Channel, Frame
+from ev_core.bus.channel import BusMeter, Channel, Frame, bus_log
 from ev_core.bus.opening import BusError, open_channel
 from ev_core.bus.parameters import DEFAULT_CHANNELS, INTERFACES, BusParameters
 from ev_core.bus.socketcand_hub import HOST, SocketcandHub
@@ -98,7 +98,7 @@ def test_who_is_too_slow_for_its_bus_takes_what_is_new():
         closing(Channel("udp_multicast", name)) as other,
     ):
         one.send(FRAMES[0])
-        assert select.select([other], [], [], PATIENCE)[0]  # its time is that at which it came
+        assert select.select([other._bus], [], [], PATIENCE)[0]  # its time is that at which it came
         time.sleep(0.2)
         taken, deadline = None, time.monotonic() + PATIENCE
         while taken is None and time.monotonic() < deadline:  # on a busy machine this one may be late, too
@@ -138,7 +138,10 @@ def test_multicast_frames_stay_on_loopback():
     """Sent there, with a time to live of 0 besides (RFC 1112, section 6.1), and heard there and of the group alone."""
     name = group(free_port())
     address, _, port = name.partition(":")
-    with closing(Channel("udp_multicast", name)) as channel, socket.socket(fileno=os.dup(channel.fileno())) as same:
+    with (
+        closing(Channel("udp_multicast", name)) as channel,
+        socket.socket(fileno=os.dup(channel._bus.fileno())) as same,
+    ):
         assert same.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL) == 0
         assert same.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, 4) == socket.inet_aton("127.0.0.1")
         assert same.getsockname() == (address, int(port))
@@ -180,7 +183,7 @@ def test_a_time_of_day_that_is_set_makes_no_frame_old(step: float, monkeypatch):
         monkeypatch.setattr(channel_module, "time", clock)
         assert other.receive() is None
         one.send(FRAMES[0])
-        assert select.select([other], [], [], PATIENCE)[0]
+        assert select.select([other._bus], [], [], PATIENCE)[0]
         clock.time, clock.monotonic = lambda: time.time() + step, lambda: 5.001
         assert other.receive() == FRAMES[0]
         assert (other.late, other.trouble) == (0, "")
@@ -380,12 +383,12 @@ def test_every_interface_has_a_channel_for_each_circuit():
 def test_a_log_holds_what_was_sent_and_received_once(tmp_path: Path, suffix: str, interface: str):
     file = tmp_path / f"bus{suffix}"
     with channel_name(interface) as name:
-        log = BusLog(str(file))
+        log = bus_log(str(file))
         channel, other = Channel(interface, name, log), Channel(interface, name)
         channel.send(FRAMES[0])
         other.send(FRAMES[1])
         received(channel, 2 if interface == "udp_multicast" else 1)
-        log.close()
+        log.stop()
         channel.close()
         other.close()
     read = [(message.arbitration_id, bytes(message.data)) for message in can.LogReader(file)]
@@ -394,23 +397,23 @@ def test_a_log_holds_what_was_sent_and_received_once(tmp_path: Path, suffix: str
 
 def test_logs_that_cannot_be_written_are_refused(tmp_path: Path):
     with pytest.raises(ValueError, match=r"'bus.txt' is refused, allowed are files ending with .log, .blf, .mf4"):
-        BusLog("bus.txt")
+        bus_log("bus.txt")
     with pytest.raises(ValueError, match="No such file or directory"):
-        BusLog(str(tmp_path / "none" / "bus.log"))
+        bus_log(str(tmp_path / "none" / "bus.log"))
     (tmp_path / "victim.log").write_text("precious")
     (tmp_path / "link.log").symlink_to(tmp_path / "none.log")
     for name in ("victim.log", "link.log"):
         with pytest.raises(ValueError, match=r"is refused, allowed is a file that is not there yet"):
-            BusLog(str(tmp_path / name))
+            bus_log(str(tmp_path / name))
     assert (tmp_path / "victim.log").read_text() == "precious"
 
 
 def test_mf4_says_what_it_needs(tmp_path: Path):
     if find_spec("asammdf"):
-        BusLog(str(tmp_path / "bus.mf4")).close()
+        bus_log(str(tmp_path / "bus.mf4")).stop()
         return
     with pytest.raises(ValueError, match="needs the Python package asammdf, which is missing"):
-        BusLog(str(tmp_path / "bus.mf4"))
+        bus_log(str(tmp_path / "bus.mf4"))
 
 
 def test_a_client_that_takes_nothing_holds_nobody_up():

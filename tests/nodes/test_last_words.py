@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 from ros_graph import ros_domain
 
-from ev_core.nodes.ending import wait_until_heard
 from ev_core.nodes.master.node import MasterNode
+from ev_core.nodes.reports import wait_until_heard
 from ev_msgs_py.contract.signals import BodyVelocity
 from ev_sim.running.processes import parameter_overrides
 

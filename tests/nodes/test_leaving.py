@@ -11,7 +11,7 @@ import pytest
 from rclpy.node import NodeNameNonExistentError
 from ros_graph import NAMESPACE, PATIENCE, Probe, ros_domain
 
-from ev_core.nodes.ending import SILENTLY
+from ev_core.run_role import SILENTLY
 from ev_sim.running.node_process import command
 
 pytestmark = pytest.mark.slow

@@ -14,7 +14,6 @@ import pytest
 from ros_graph import NAMESPACE, NODES, PATIENCE, Probe, ros_domain
 
 from ev_core import run_role as run_role_module
-from ev_core.nodes import ending
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.running.node_process import command
@@ -94,7 +93,7 @@ def test_what_goes_wrong_once_more_at_the_end_is_one_line_too(monkeypatch):
 
     monkeypatch.setattr(sys, "argv", ["recorder"])
     monkeypatch.setattr(run_role_module, "spin", fail)
-    monkeypatch.setattr(ending, "turn_deaf", lambda: None)
+    monkeypatch.setattr(run_role_module, "turn_deaf", lambda: None)
     with pytest.raises(SystemExit, match=r"^recorder: \[Errno 27\] File too large$"):
         run_role_module.run_node("recorder", lambda: SimpleNamespace(close=fail, done=False))
 

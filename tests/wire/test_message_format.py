@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 
-from ev_core.node_loop.message_memory import (
+from ev_core.node_loop.steps import (
     RUN,
     TOPIC,
     Memory,

@@ -21,11 +21,10 @@ from rosidl_generator_py.import_type_support_impl import UnsupportedTypeSupport
 
 from ev_core.methods.register import NODES
 from ev_core.nodes import ros_parameters
-from ev_core.nodes.ending import leave, stop_listening
 from ev_core.nodes.master.node import MasterNode
 from ev_core.nodes.spinning import spin
 from ev_core.nodes.stepped_node import SteppedNode
-from ev_core.nodes.stop_request import StopRequest
+from ev_core.nodes.stop_request import StopRequest, turn_deaf
 from ev_core.nodes.time_of_day import refuse_late_time_of_day, too_late
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import LINE, quoted, shown
@@ -124,6 +123,38 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
             leave()
         else:
             leave()
+
+
+SILENTLY = "EV_STACK_LEAVE_SILENTLY"  # variable of the environment: a runner sets it for its nodes
+
+
+def stop_listening(node: Node) -> None:
+    """Subscribe to nothing any more, so that nobody waits until this node has received something."""
+    for subscription in list(node.subscriptions):
+        node.destroy_subscription(subscription)
+
+
+def leave(trouble: str | None = None) -> None:
+    """Let the process end; SystemExit, with status 1 and a line on stderr, if there was trouble. No signal counts then.
+
+    To be called while the node still lives: one that is forgotten says goodbye, and takes its publishers out of the
+    graph one by one. Who removes a publisher that it has heard holds a lock of Fast DDS and waits for its own thread of
+    timed events: if that is just about to announce its process, and waits for the lock, the process is locked up for
+    ever (https://github.com/eProsima/Fast-DDS/issues/6502). Nodes that a runner has started end all together, and
+    nobody is left who needs to know: they leave without a word. Who else has followed the run misses them when their
+    lease is over, after 4 s. Only what they hear they take out of the graph (`stop_listening`), which makes nobody wait
+    for a timer: who wants to know that its last word has arrived shall not wait for them.
+    """
+    turn_deaf()
+    if SILENTLY in os.environ:
+        if trouble is not None:
+            print(trouble, file=sys.stderr)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(0 if trouble is None else 1)
+    rclpy.try_shutdown()
+    if trouble is not None:
+        sys.exit(trouble)
 
 
 def _refuse_other_arguments() -> None:

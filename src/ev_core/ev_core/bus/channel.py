@@ -7,7 +7,7 @@ import time
 from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import can
 
@@ -19,33 +19,24 @@ from ev_msgs_py.refusal import quoted
 SUFFIXES = (".log", ".blf", ".mf4")
 
 
-class BusLog:
-    """Writes frames to a new file, as they come; ValueError, in one line, if that cannot be or a file is there."""
+def bus_log(file: str) -> can.Listener:
+    """What writes the frames that it is called with to a new file, until its `stop`.
 
-    def __init__(self, file: str) -> None:
-        path = Path(file)
-        if path.suffix not in SUFFIXES:
-            raise ValueError(
-                f"parameter log: {quoted(file)} is refused, allowed are files ending with {', '.join(SUFFIXES)}"
-            )
-        if os.path.lexists(path):
-            raise ValueError(f"parameter log: {quoted(file)} is refused, allowed is a file that is not there yet")
-        try:
-            self._writer: Any = can.Logger(path)
-        except (NotImplementedError, ImportError):
-            raise ValueError(
-                f"parameter log: {quoted(file)} needs the Python package asammdf, which is missing"
-            ) from None
-        except OSError as error:
-            raise ValueError(f"parameter log: {quoted(file)}: {error.strerror or error}") from None
-
-    def write(self, message: can.Message) -> None:
-        """Keep one frame."""
-        self._writer.on_message_received(message)
-
-    def close(self) -> None:
-        """End the file."""
-        self._writer.stop()
+    ValueError, in one line, if that cannot be or a file is there.
+    """
+    path = Path(file)
+    if path.suffix not in SUFFIXES:
+        raise ValueError(
+            f"parameter log: {quoted(file)} is refused, allowed are files ending with {', '.join(SUFFIXES)}"
+        )
+    if os.path.lexists(path):
+        raise ValueError(f"parameter log: {quoted(file)} is refused, allowed is a file that is not there yet")
+    try:
+        return can.Logger(path)
+    except (NotImplementedError, ImportError):
+        raise ValueError(f"parameter log: {quoted(file)} needs the Python package asammdf, which is missing") from None
+    except OSError as error:
+        raise ValueError(f"parameter log: {quoted(file)}: {error.strerror or error}") from None
 
 
 _header = cache(header)
@@ -92,7 +83,7 @@ class Channel:
         self,
         interface: str,
         name: str,
-        log: BusLog | None = None,
+        log: can.Listener | None = None,
         meter: BusMeter | None = None,
         address: str = LOOPBACK,
     ) -> None:
@@ -159,13 +150,9 @@ class Channel:
 
     def _note(self, message: can.Message, age: float) -> None:
         if self._log:
-            self._log.write(message)
+            self._log(message)
         if self._meter:
             self._meter.note(message.arbitration_id, bytes(message.data), age)
-
-    def fileno(self) -> int:
-        """What `select` can wait for, of udp_multicast and socketcan; NotImplementedError for the others."""
-        return self._bus.fileno()
 
     def close(self) -> None:
         """Leave the bus."""
@@ -185,16 +172,13 @@ class Channels:
 
     def __init__(self, p: BusInterface, log: str = "", meters: Mapping[str, BusMeter] | None = None) -> None:
         self._channels: dict[str, Channel] = {}
-        self._log = BusLog(log) if log else None
+        self._log = bus_log(log) if log else None
         try:
             for circuit, name in p.channels().items():
                 self._channels[circuit] = Channel(p.interface, name, self._log, (meters or {}).get(circuit), p.address)
         except BaseException:
             self.close()
             raise
-
-    def __getitem__(self, circuit: str) -> Channel:
-        return self._channels[circuit]
 
     def send(self, circuit: str, frame: Frame) -> None:
         """Put a frame on the channel of a circuit."""
@@ -222,5 +206,5 @@ class Channels:
             channel.close()
         self._channels.clear()
         if self._log is not None:
-            self._log.close()
+            self._log.stop()
             self._log = None

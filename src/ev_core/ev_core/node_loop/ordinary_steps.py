@@ -11,15 +11,14 @@ import os
 import time
 from collections.abc import Sequence
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
 from ev_core.lockstep import tally
 from ev_core.node_loop import steps
-from ev_core.node_loop.message_memory import RUN, End
-from ev_core.node_loop.steps import FAILED, GID, INPUT, LOOP, NOT_FINITE, ODD, OUTPUT
+from ev_core.node_loop.steps import FAILED, GID, INPUT, LOOP, NOT_FINITE, ODD, OUTPUT, RUN
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.stamps import NANOSECONDS
 from ev_msgs_py.refusal import ParameterError, quoted
@@ -47,6 +46,13 @@ def keep_code() -> None:
         steps.address()
     tally.address()
     tally.newest_address()
+
+
+class End(NamedTuple):
+    """A subscription or a publisher: its address, and how its messages look, as in `MessageFormat`."""
+
+    address: int
+    format: Any
 
 
 # `rcutils_uint8_array_t`, and room for more than `rmw_message_info_t`, in words of 8 bytes.

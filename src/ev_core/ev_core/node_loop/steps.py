@@ -2,46 +2,92 @@
 
 Ordinary is a message of the admitted publisher, laid out as our nodes do, finite, and NEW by the protocol of
 `lockstep/inbox.py`, which is compiled here and works on the memory of the node's inbox. Whatever else comes ends the
-loop and is for Python to see to.
+loop and is for Python to see to. Messages stand in a block of memory; how they are read and written there is the
+compiled form of `wire.message_format`.
 """
 
 from __future__ import annotations
 
 from functools import cache
 from time import CLOCK_MONOTONIC
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ev_core.compiling import machine_code
 from ev_core.compiling.machine_code import call
-from ev_core.lockstep.inbox import (
-    ANSWER,
-    LAST,
-    NEW,
-    ROWS,
-    Steps,
-    judged,
-    keep,
-    missing,
-    note_answer,
-    row_of,
-    row_of_answer,
-)
+from ev_core.lockstep.inbox import LAST, NEW, ROWS, Steps, judged, keep, missing, note_answer, row_of, row_of_answer
 from ev_core.lockstep.tally import BLOCK, add_up_step
-from ev_core.node_loop.message_memory import (
-    RUN,
-    TOPIC,
-    Memory,
-    integers,
-    is_laid_out_like,
-    read_numbers,
-    stamp_in,
-    write_message,
-)
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.frame import SIZE, TIME
 from ev_msgs_py.contract.stamps import NANOSECONDS
+from ev_msgs_py.wire.message_format import STAMP_AT
+
+
+class Memory(NamedTuple):
+    """One block as bytes and as numbers; messages stand in it so that their numbers are whole ones of the block."""
+
+    bytes: Any
+    words: Any  # integers of 8 bytes
+    integers: Any  # of 4 bytes
+    doubles: Any
+    singles: Any
+
+
+def integers(*names: str) -> list[Any]:
+    """Fields of a record that are integers."""
+    return [(name, np.int64) for name in names]
+
+
+# A topic: `template` and `mask`, which has all bits of what is constant, begin at these bytes of the block, and the
+# runs `first` to `last` have its numbers, which are `single` precision or not.
+TOPIC = integers("template", "mask", "length", "first", "last", "single")
+RUN = np.dtype(integers("place", "offset", "length"))
+
+
+@compilable
+def is_laid_out_like(memory: Any, at: int, topic: Any) -> bool:
+    """Whether a message of the length of a topic's template has its constants."""
+    differs = 0
+    for n in range(topic.length):
+        differs |= (memory.bytes[at + n] ^ memory.bytes[topic.template + n]) & memory.bytes[topic.mask + n]
+    return differs == 0
+
+
+@compilable
+def stamp_in(memory: Any, at: int) -> int:
+    """The stamp of a message [ns]."""
+    place = (at + STAMP_AT) // 4
+    stamp: int = int(memory.integers[place]) * NANOSECONDS + int(memory.integers[place + 1])
+    return stamp
+
+
+@compilable
+def read_numbers(memory: Any, at: int, topic: Any, runs: Any, numbers: Any) -> bool:
+    """Copy the numbers of a message into a frame, as long as they are finite; whether all are."""
+    for r in range(topic.first, topic.last):
+        place, begin = runs[r].place, at + runs[r].offset
+        for n in range(runs[r].length):
+            number = float(memory.singles[begin // 4 + n]) if topic.single else memory.doubles[begin // 8 + n]
+            if number - number != 0.0:
+                return False
+            numbers[place + n] = number
+    return True
+
+
+@compilable
+def write_message(memory: Any, topic: Any, runs: Any, stamp: int, numbers: Any) -> None:
+    """Put stamp and numbers of a frame into the template of a topic."""
+    at = (topic.template + STAMP_AT) // 4
+    memory.integers[at], memory.integers[at + 1] = stamp // NANOSECONDS, stamp % NANOSECONDS
+    for r in range(topic.first, topic.last):
+        place, begin = runs[r].place, topic.template + runs[r].offset
+        for n in range(runs[r].length):
+            if topic.single:
+                memory.singles[begin // 4 + n] = numbers[place + n]
+            else:
+                memory.doubles[begin // 8 + n] = numbers[place + n]
+
 
 # Why the loop has ended: nothing came in time; a message is for Python to judge; the last step that may be taken was
 # taken; the part has failed, or has written what is not finite.
@@ -148,7 +194,7 @@ def _step(head: Any, steps: Any, frames: Any, tally: Any) -> int:
 @compilable
 def _speak(head: Any, steps: Any, outputs: Any, runs: Any, frames: Any, memory: Any) -> None:
     """Publish the last answer, as far as it has subscribers."""
-    stamp = steps.done[ANSWER]
+    stamp = steps.done[LAST] + steps.lead
     here = memory.words.ctypes.data
     for i in range(len(outputs)):
         call(head.rcl_count, outputs[i].publisher, here + 8 * head.count, 0, 0)

@@ -3,20 +3,34 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock as RosClock
 from rclpy.clock_type import ClockType
+from rclpy.duration import Duration
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 
 from ev_core.lockstep.inbox import Arrival
-from ev_core.nodes.ending import wait_until_heard
 from ev_core.nodes.runner_line import NOTE, REMARK, WARNING, RunnerLine, Word
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.refusal import LINE, shown
+
+_AT_ONCE = Duration()
+_TO_BE_HEARD = 0.002  # s
+
+
+def wait_until_heard(publisher: Publisher, given_up: float, is_wanted: Callable[[], bool] = lambda: True) -> None:
+    """Wait until everything is acknowledged, up to a time of the monotonic clock, for as long as it is wanted.
+
+    The middleware's own time-out may go by the time of day (`time_of_day`).
+    """
+    while not publisher.wait_for_all_acked(_AT_ONCE) and time.monotonic() < given_up and is_wanted():
+        time.sleep(_TO_BE_HEARD)
+
 
 HEALTH = "health"  # what the name of its status ends with
 LOST = ".lost."  # in the names of what laws keep of motors and sensors that they do not trust

@@ -14,7 +14,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 
 from ev_core.lockstep.stepper import WRITERS
-from ev_core.node_loop.message_memory import End
+from ev_core.node_loop.ordinary_steps import End
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic

@@ -20,8 +20,7 @@ from ev_core.lockstep.parts import hand_over, is_compiled, part_of
 from ev_core.lockstep.stepper import WRITERS, Answer, Stepper, arrival_place
 from ev_core.methods.part import Part
 from ev_core.methods.register import CommonParameters
-from ev_core.node_loop.message_memory import End
-from ev_core.node_loop.ordinary_steps import OrdinarySteps, can_be_taken
+from ev_core.node_loop.ordinary_steps import End, OrdinarySteps, can_be_taken
 from ev_core.nodes import ros_parameters
 from ev_core.nodes.reception import Reception
 from ev_core.nodes.reports import Health, Reports

@@ -81,11 +81,11 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
     file = gateway.parameters.bus.log if gateway else ""
     if not file or run.realtime:  # in real time the node that sends on the bus writes its log
         return _driven(run, directory, given)
-    from ev_core.bus.channel import BusLog
+    from ev_core.bus.channel import bus_log
     from ev_sim.recording.offline import write_can_log
 
     try:
-        log = BusLog(str(directory / file))
+        log = bus_log(str(directory / file))
     except ValueError as error:
         raise RunFailed(f"inverter_gateway.bus.log: {error}") from None
     outcome = _driven(run, directory, given)

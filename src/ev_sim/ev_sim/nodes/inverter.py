@@ -1,16 +1,20 @@
-"""The inverters of both circuits with their machines, on a CAN bus."""
+"""The inverters of both circuits with their machines, on a CAN bus: as a node, and in that of the test bench."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
-from ev_core.bus.channel import Frame
+from ev_core.bus.channel import BusMeter, Channels, Frame
 from ev_core.bus.parameters import CIRCUITS
-from ev_core.nodes.bus_nodes import BusNode
+from ev_core.lockstep.configuration import Configuration
+from ev_core.nodes.bus_nodes import BusNode, RoleOnBus
 from ev_core.run_role import run_node
 from ev_sim.inverter.circuit_station import CircuitStation
 from ev_sim.inverter.device import inject
 from ev_sim.inverter.inverter_parameters import InverterNodeParameters
+from ev_sim.test_bench.bench_on_bus import BenchOnBus, meters_of
 
 
 class InverterNode(BusNode):
@@ -38,6 +42,25 @@ class InverterNode(BusNode):
     def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
         """Advance everything; the frames of the inverters."""
         return [(name, frame) for name, circuit in self.circuits.items() for frame in circuit.step(ticks)]
+
+
+class OnBus(RoleOnBus):
+    """A base before that of the node: its bench has its inverters on the bus."""
+
+    _meters: Mapping[str, BusMeter] = MappingProxyType({})
+
+    def played_by(self, configuration: Configuration) -> BenchOnBus:
+        """A bench at rest."""
+        return BenchOnBus(configuration, self._meters_of(configuration))
+
+    def open_channels(self) -> Channels:
+        """Those of its parameters, with meters; the log is the gateway's."""
+        return Channels(self.configuration.parameters.bus, meters=self._meters_of(self.configuration))
+
+    def _meters_of(self, configuration: Configuration) -> Mapping[str, BusMeter]:
+        if not self._meters:
+            self._meters = meters_of(configuration.parameters.bus.database)
+        return self._meters
 
 
 def main() -> None:

@@ -14,8 +14,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from ev_core.nodes import ros_parameters
-from ev_core.nodes.ending import wait_until_heard
-from ev_core.nodes.reports import Reports
+from ev_core.nodes.reports import Reports, wait_until_heard
 from ev_core.nodes.runner_line import PROGRESS, Waiting, Word
 from ev_core.nodes.signal_io import Reader, SignalReader, SignalWriter, Speaker
 from ev_core.nodes.spinning import Spinnable

@@ -70,7 +70,7 @@ def make(**node_arguments: Any) -> SteppedNode:
     """The node: in real time behind a bus it uses that, else bus or none are within the graph."""
     with told(_ROLE, **node_arguments) as given:
         if given.get("mode") == "realtime" and given.get("method") == "circuits_on_can":
-            from ev_sim.nodes.test_bench_on_bus import OnBus  # it needs python-can, which others do without
+            from ev_sim.nodes.inverter import OnBus  # it needs python-can, which others do without
 
             return type("TestBenchOnBus", (OnBus, TestBenchNode), {})(**node_arguments)
         return TestBenchNode(**node_arguments)

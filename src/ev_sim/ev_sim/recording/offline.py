@@ -116,7 +116,7 @@ def _said_again(configuration: Configuration, series: np.ndarray, struck: set[st
 
 
 if TYPE_CHECKING:
-    from ev_core.bus.channel import BusLog
+    import can
 
 
 class LoggedFrame(NamedTuple):
@@ -128,13 +128,13 @@ class LoggedFrame(NamedTuple):
     data: bytes
 
 
-def write_can_log(log: BusLog, recording: Recording, bench: Configuration) -> str:
+def write_can_log(log: can.Listener, recording: Recording, bench: Configuration) -> str:
     """Write all frames of a run and close the log; a line with the reason if it ends before the run does."""
     import can
 
     frames, until = logged_frames(recording, bench)
     for each in frames:
-        log.write(
+        log(
             can.Message(
                 timestamp=each.time,
                 arbitration_id=each.identifier,
@@ -143,7 +143,7 @@ def write_can_log(log: BusLog, recording: Recording, bench: Configuration) -> st
                 channel=f"can{each.circuit}",
             )
         )
-    log.close()
+    log.stop()
     ends = f"the log of the bus ends at {until:g} s: from there on the test bench was not what its parameters say"
     return "" if until == recording.time[-1] else ends
 

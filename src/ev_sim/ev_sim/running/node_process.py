@@ -14,9 +14,9 @@ from pathlib import Path
 
 from ev_core.lockstep.finding import is_code
 from ev_core.methods.register import node_package
-from ev_core.nodes.ending import SILENTLY
 from ev_core.nodes.runner_line import RUNNER_LINE
 from ev_core.nodes.stop_request import hold_back
+from ev_core.run_role import SILENTLY
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.refusal import shown
 from ev_sim.recording.outcome import RunFailed

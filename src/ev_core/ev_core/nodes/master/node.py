@@ -19,10 +19,10 @@ from rosgraph_msgs.msg import Clock
 
 from ev_core.lockstep.inbox import Arrival
 from ev_core.lockstep.stepper import WRITERS, Answer
-from ev_core.node_loop.message_memory import End
-from ev_core.nodes.ending import wait_until_heard
+from ev_core.node_loop.ordinary_steps import End
 from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.nodes.master.schedule import Schedule, serve_time
+from ev_core.nodes.reports import wait_until_heard
 from ev_core.nodes.runner_line import TIMING, Word
 from ev_core.nodes.signal_io import QUALITY
 from ev_core.nodes.stepped_node import SteppedNode
