@@ -81,7 +81,7 @@ def write_parameters(argv: list[str]) -> None:
 
 def export_fmu(argv: list[str]) -> None:
     """ev-stack fmu SCENARIO --out NAME.fmu [--law ROLE | --without ROLE,ROLE] [options]"""
-    from ev_sim.fmu.export import Content, write_fmu
+    from ev_sim.interface import extra
     from ev_sim.interface.driving import only_run
 
     parser = Parser(prog="ev-stack fmu", description="ev-stack fmu: a car or a law as an FMU.")
@@ -96,6 +96,9 @@ def export_fmu(argv: list[str]) -> None:
     add_overrides(parser)
     given = parser.parse_args(argv)
     try:
+        extra("pythonfmu", "fmu")
+        from ev_sim.fmu.slave import Content, write_fmu
+
         run = only_run(given.scenario, given.run, overrides(given))
         played = [name for name, role in ROLES.items() if role.kind is RoleKind.ANSWERS and name in run.configurations]
         without = [] if given.law else given.without.split(",") if given.without else played
