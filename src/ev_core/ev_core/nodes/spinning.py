@@ -8,13 +8,11 @@ for as long as nothing odd comes (`node_loop`).
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
-from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
@@ -116,7 +114,8 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
     next_look, next_sweep, came = 0.0, 0.0, True
     _take_over(in_order, True)
     with Alarm(in_order[0], executor.wake) as alarm:
-        rest = _Rest(in_order, alarm.guard, context)
+        with context.handle:  # the wait set is made once, because making it takes as long as waiting
+            wait_set = rclpy_implementation.WaitSet(len(in_order), 1, 0, 0, 0, 0, context.handle)
         while not finished():
             if time.monotonic() >= next_look:
                 if not context.ok():
@@ -127,7 +126,7 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
                 next_look = time.monotonic() + _SERVICE_PERIOD
             rested = alone or not came
             if rested and not (alone and in_order[0].take_steps(next_look, alarm.guard.pointer)):
-                rest.until_message()
+                _rest(in_order, wait_set, alarm.guard)
             came = False
             for node in in_order:
                 came |= node.poll()
@@ -163,27 +162,15 @@ def _answer(service: Service) -> None:
         service.send_response(service.callback(request, service.srv_type.Response()), header)
 
 
-class _Rest:
-    """Lets nodes sleep; the wait set is made once, because making it takes as long as waiting."""
-
-    def __init__(self, nodes: Sequence[Spinnable], guard: Any, context: Context) -> None:
-        self._nodes, self._guard = nodes, guard
-        handle: Any = context.handle
-        with handle:
-            self._wait_set = rclpy_implementation.WaitSet(len(nodes), 1, 0, 0, 0, 0, handle)
-
-    def until_message(self) -> None:
-        """Sleep until an awaited message arrives, or for as long as the nodes allow."""
-        wait_set, timeout, awaited = self._wait_set, math.inf, False
-        wait_set.clear_entities()
-        for node in self._nodes:
-            timeout = min(timeout, node.wake_up_within())
-            subscription = node.awaits()
-            if subscription is not None:
-                wait_set.add_subscription(subscription)
-                awaited = True
-        if awaited:
-            wait_set.add_guard_condition(self._guard)
-            wait_set.wait(int(timeout * 1e9))
-        else:
-            time.sleep(timeout)
+def _rest(nodes: Sequence[Spinnable], wait_set: Any, guard: Any) -> None:
+    """Sleep until an awaited message arrives, or for as long as the nodes allow."""
+    wait_set.clear_entities()
+    awaited = [subscription for node in nodes if (subscription := node.awaits()) is not None]
+    timeout = min(node.wake_up_within() for node in nodes)
+    if not awaited:
+        time.sleep(timeout)
+        return
+    for subscription in awaited:
+        wait_set.add_subscription(subscription)
+    wait_set.add_guard_condition(guard)
+    wait_set.wait(int(timeout * 1e9))
