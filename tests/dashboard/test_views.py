@@ -15,7 +15,7 @@ import yaml
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.wire.layout import empty_message, message_class
+from ev_msgs_py.wire import empty_message, message_class
 from ev_sim.commands.exports import print_urdf
 from ev_sim.dashboard import ros_views
 from ev_sim.report.page.top_view import PREFIX

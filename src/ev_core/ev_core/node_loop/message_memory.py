@@ -1,4 +1,4 @@
-"""Messages in a block of memory, and the runs of their numbers to and from a frame: compiled `wire.message_format`."""
+"""Messages in a block of memory, and the runs of their numbers to and from a frame: compiled `wire`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.stamps import NANOSECONDS
-from ev_msgs_py.wire.message_format import STAMP_AT
+from ev_msgs_py.wire import STAMP_AT
 
 
 class End(NamedTuple):
