@@ -25,7 +25,7 @@ from ev_core.run_role import make_node
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.wire.message_format import format_of
+from ev_msgs_py.wire import format_of
 from ev_sim.running.domain import free_domain
 
 TIMEOUT, PERIOD = 0.1, 0.01  # s, the defaults

@@ -30,7 +30,7 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
-from ev_msgs_py.wire.message_format import format_of
+from ev_msgs_py.wire import format_of
 from ev_sim.scenarios.scenario import load_scenario
 
 SCENARIO = "shchur2019"

@@ -26,7 +26,7 @@ from ev_core.nodes.signal_io import QUALITY
 from ev_core.nodes.stop_request import StopRequest
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.wire.message_format import format_of, stamp_of
+from ev_msgs_py.wire import format_of, stamp_of
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import signal_hash
 from ev_sim.running.domain import free_domain

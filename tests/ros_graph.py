@@ -30,8 +30,7 @@ from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.stamps import from_seconds, to_seconds
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_msgs_py.wire.layout import message_class
-from ev_msgs_py.wire.message_format import format_of
+from ev_msgs_py.wire import format_of, message_class
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import load, signal_hash

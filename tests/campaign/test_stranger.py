@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from rclpy.serialization import serialize_message
 
 from ev_msgs_py.contract.signals import WheelTorqueCommand
-from ev_msgs_py.wire.message_format import format_of
+from ev_msgs_py.wire import format_of
 
 HEARD = Heard(bytes(range(1, 17)), 5, format_of(WheelTorqueCommand).template)
 _MOST = 60_000  # bytes of a datagram, so that one can be sent

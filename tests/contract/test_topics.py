@@ -16,7 +16,7 @@ from ev_msgs_py.contract.roles import RECORDED, RECORDER_WRITES
 from ev_msgs_py.contract.signals import BatteryCondition, BodyPose, SteeringColumnState
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.wire.layout import message_class
+from ev_msgs_py.wire import message_class
 
 EVERY_TOPIC = pytest.mark.parametrize("topic", TOPICS.values(), ids=lambda topic: topic.name)
 SINGLE_MAX = float(np.finfo(np.float32).max)

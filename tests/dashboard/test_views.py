@@ -15,7 +15,7 @@ import yaml
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.wire.layout import empty_message, message_class
+from ev_msgs_py.wire import empty_message, message_class
 from ev_sim.commands.exports import print_urdf
 from ev_sim.dashboard import ros_views
 from ev_sim.report.page.top_view import PREFIX
@@ -106,5 +106,5 @@ def test_the_urdf_has_the_geometry_of_the_vehicle_file(capsys):
 
 
 def test_an_unknown_vehicle_is_one_line():
-    with pytest.raises(SystemExit, match="error: unknown vehicle 'audi'; known: audi_a2"):
+    with pytest.raises(SystemExit, match="error: unknown vehicle 'audi'; did you mean audi_a2"):
         print_urdf(["audi"])

@@ -7,8 +7,8 @@ from traction import CAR, PERIOD, car_of, numbers_of
 
 from ev_control.estimation.slip_angle_observer import (
     SideForceParameters,
-    SideForceState,
     SlipAngleObserverParameters,
+    SlipAngleObserverState,
     share_left,
 )
 from ev_control.estimation.wheel_dynamics import WheelMotion
@@ -20,7 +20,7 @@ def left(angle: float, place: int = 0, ahead: float = 1.0, **changed) -> float:
     """The share of a threshold at a car that goes straight on at 10 m/s with its front wheels at an angle [rad]."""
     p = SideForceParameters(**{"correction": "ellipse", "observer": KINEMATIC, **changed})
     motion = WheelMotion(30.0, 30.0, 0.0, 100.0, 0.0, 0.0, 0.0, place, ahead, 10.0, 0.0, angle)
-    return share_left(numbers_of(p), car_of(CAR), SideForceState(), PERIOD, motion)
+    return share_left(numbers_of(p), car_of(CAR), SlipAngleObserverState(), PERIOD, motion)
 
 
 def test_threshold_shrinks_by_the_ellipse():

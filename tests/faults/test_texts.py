@@ -23,7 +23,7 @@ def test_a_text_in_full():
 
 REFUSED = {
     "motor_share": "allowed is KIND WHERE",
-    "motr_share all 0": "known: motor_share",
+    "motr_share all 0": "did you mean motor_share",
     "motor_share all": "lacks its value, 0 to 1",
     "motor_share all 2": "2 is refused, allowed is 0 to 1",
     "motor_share all nan": "nan is refused",
@@ -31,7 +31,7 @@ REFUSED = {
     "motor_share rear 0": "needs a motor there, of front_left, front_right",
     "motor_stuck all from 3 until 2": "ends at 2 s",
     "motor_stuck all at 3": "allowed is KIND WHERE",
-    "frozen wheel_stats": "known: wheel_states",
+    "frozen wheel_stats": "did you mean wheel_states",
     "swapped wheel_states.velocity": "names 4 numbers",
     "tilted pose.x 0.1": "allowed are accelerations",
     "restarted imu": "is a thing and no program",

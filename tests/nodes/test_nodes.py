@@ -12,7 +12,7 @@ from ev_core.sensors.row import QUANTITIES
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.wire.message_format import format_of
+from ev_msgs_py.wire import format_of
 from ev_sim.recording.recording import load
 from ev_sim.running.offline import RECORDER
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario

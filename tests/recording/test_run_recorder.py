@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.stamps import RUN
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_msgs_py.wire.layout import MessageError
-from ev_msgs_py.wire.message_format import format_of, stamp_of
+from ev_msgs_py.wire import MessageError, format_of, stamp_of
 from ev_sim.recording import spool
 from ev_sim.recording.recording import Recording, load, save
 from ev_sim.recording.run_recorder import RecorderParameters, RunRecorder

@@ -26,8 +26,16 @@ from ev_msgs_py.contract.optional_signals import CellCondition
 from ev_msgs_py.contract.signals import BatteryCondition, DriverCommand, SteeringColumnState, WheelTorqueRequest
 from ev_msgs_py.contract.topics import JOINT_STATE, TOPICS, Topic
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.wire.layout import MessageError, empty_message, message_class, paths
-from ev_msgs_py.wire.message_format import Serialized, format_of, stamp_alone, stamp_of
+from ev_msgs_py.wire import (
+    MessageError,
+    Serialized,
+    empty_message,
+    format_of,
+    message_class,
+    paths,
+    stamp_alone,
+    stamp_of,
+)
 from ev_sim.recording.spool import MessageTable
 
 WITH_NUMBERS = pytest.mark.parametrize(

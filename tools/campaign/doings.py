@@ -18,7 +18,7 @@ from campaign.sayings import ESCAPES, INVENTED
 from ev_core.nodes.master.schedule import TIME_SERVICES
 from ev_core.nodes.signal_io import QUALITY
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.wire.message_format import format_of
+from ev_msgs_py.wire import format_of
 
 _ROLES = ("plant", "asr", "driver", "recorder")
 _DOZEN, _SUBSCRIBERS = 12, 50

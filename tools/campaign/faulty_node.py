@@ -14,7 +14,7 @@ from ev_core.node_loop.ordinary_steps import VARIABLE
 from ev_core.nodes.signal_io import SignalWriter
 from ev_core.run_role import run_role
 from ev_msgs_py.contract.stamps import RUNS
-from ev_msgs_py.wire.message_format import format_of, stamp_of
+from ev_msgs_py.wire import format_of, stamp_of
 
 _LATE = 0.05  # s at most
 

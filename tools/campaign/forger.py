@@ -18,7 +18,7 @@ from ev_core.nodes.stop_request import StopRequest
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.wire.message_format import format_of, stamp_of
+from ev_msgs_py.wire import format_of, stamp_of
 
 _SECONDS, _MOST = 30.0, 200  # then it has said enough, or there was nobody to hear
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from campaign.sayings import ESCAPES, INVENTED, SECOND, STEP
-from ev_msgs_py.wire.message_format import STAMP_AT
+from ev_msgs_py.wire import STAMP_AT
 
 _DATA, _HEARTBEAT, _ACKNACK, _GAP = 0x15, 0x07, 0x06, 0x08  # kinds of submessages
 _EVERYBODY = bytes(4)  # in the place of a reader

@@ -21,7 +21,7 @@ from ev_core.nodes.signal_io import NAMELESS, QUALITY
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.signals import RecorderProgress, WheelTorqueCommand
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, TOPICS
-from ev_msgs_py.wire.message_format import STAMP_AT, format_of, stamp_alone
+from ev_msgs_py.wire import STAMP_AT, format_of, stamp_alone
 
 ESCAPES = "\x1b[2J\x1b]0;mine\x07\x1b[31m\x9b1A\b\b\r"
 INVENTED = "\nerror: node plant was killed by nobody\r\nstopped\n\u2028error: once more\x85error: and again\n"

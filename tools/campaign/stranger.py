@@ -23,7 +23,7 @@ from campaign.sayings import SAYINGS, Saying
 from ev_core.nodes.signal_io import QUALITY
 from ev_core.nodes.stop_request import StopRequest
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.wire.message_format import format_of, stamp_of
+from ev_msgs_py.wire import format_of, stamp_of
 
 ACTS = (*SAYINGS, *DOINGS, *FORGERIES)
 _SECONDS, _MESSAGES, _DATAGRAMS = 4.0, 20_000, 40_000  # then it has said enough

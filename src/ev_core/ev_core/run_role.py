@@ -107,7 +107,8 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
     """Make a node, spin it, and turn refused input into one line and exit status 1; no signal counts behind that."""
     with StopRequest() as stop:
         try:
-            _refuse_other_arguments()
+            if others := remove_ros_args(sys.argv)[1:]:  # ROS would silently ignore them: no --ros-args before them
+                raise ValueError(f"unknown argument {quoted(others[0])}; what a node is told follows --ros-args")
             refuse_weak_security(os.environ)
             refuse_late_time_of_day()
             rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
@@ -155,13 +156,6 @@ def leave(trouble: str | None = None) -> None:
     rclpy.try_shutdown()
     if trouble is not None:
         sys.exit(trouble)
-
-
-def _refuse_other_arguments() -> None:
-    """ValueError for words that ROS would silently ignore, such as parameters without --ros-args before them."""
-    others = remove_ros_args(sys.argv)[1:]
-    if others:
-        raise ValueError(f"unknown argument {quoted(others[0])}; what a node is told follows --ros-args")
 
 
 def one_line(error: Exception) -> str:

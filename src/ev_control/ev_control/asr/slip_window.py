@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
-from ev_control.estimation.slip_angle_observer import SideForceParameters, SideForceState, share_left
+from ev_control.estimation.slip_angle_observer import SideForceParameters, SlipAngleObserverState, share_left
 from ev_control.estimation.wheel_dynamics import share_at_rest
 from ev_control.law import Filtered, WheelMotion, filter_share, follow, share_at, slip_of, slowest_wheel
 from ev_control.shared.limp_mode import LimpModeParameters
@@ -36,7 +36,7 @@ class SlipWindowWheel(LimitedWheel):
     """What the law knows of a wheel."""
 
     slip: Filtered = part(Filtered)  # [1]; its lag shows the trend
-    side_force: SideForceState = part(SideForceState)
+    side_force: SlipAngleObserverState = part(SlipAngleObserverState)
 
 
 @traction_control("slip_window", SlipWindowParameters, SlipWindowWheel)

@@ -104,7 +104,9 @@ def judge_wheels(
         s.left_out[i] = 1.0 if cannot_be else s.lost[i]
     s.velocity[:] = velocity
     if believed(s) == 0.0 and s.lost[0] + s.lost[1] + s.lost[2] + s.lost[3] == 4.0:
-        forget_trust(s)
+        for i in range(4):
+            s.doubt[i] = s.lost[i] = s.left_out[i] = s.gained[i] = 0.0
+        s.known = 0.0
 
 
 @compilable
@@ -127,11 +129,3 @@ def is_stuck(p: WheelTrustParameters, car: Car, s: WheelTrustState, velocity: Wh
 def believed(s: WheelTrustState) -> float:
     """The number of wheels that are not left out [1]."""
     return 4.0 - (s.left_out[0] + s.left_out[1] + s.left_out[2] + s.left_out[3])
-
-
-@compilable
-def forget_trust(s: WheelTrustState) -> None:
-    """Believe every sensor again."""
-    for i in range(4):
-        s.doubt[i] = s.lost[i] = s.left_out[i] = s.gained[i] = 0.0
-    s.known = 0.0

@@ -103,10 +103,11 @@ def rolling_speeds(
         s.speed = ((by_wheel[0] + by_wheel[1]) + (by_wheel[2] + by_wheel[3])) / 4.0
     elif p.trust.watch == 1.0:
         judge_wheels(p.trust, car, s.trust, period, velocity, by_wheel, s.speed + gained, gained, direction)
-    if p.source == OBSERVER or free_wheels(car, s) == 0.0:
+    number, total = free_wheels(car, s, by_wheel)
+    if p.source == OBSERVER or number == 0.0:
         s.speed = observed_speed(p, s, period, by_wheel, gained, direction)
     else:
-        s.speed = mean_of_free_wheels(car, s, by_wheel)
+        s.speed = total / number
     u = s.speed
     return Wheels(
         ((u - front) * cosine + across) / radius,
@@ -117,23 +118,11 @@ def rolling_speeds(
 
 
 @compilable
-def weight(car: Car, s: ReferenceSpeedState, i: int) -> float:
-    """1 where a wheel has no motor and is believed, else 0."""
-    return (1.0 - car.driven[i]) * (1.0 - s.trust.left_out[i])
-
-
-@compilable
-def free_wheels(car: Car, s: ReferenceSpeedState) -> float:
-    """The number of wheels without a motor that are believed [1]."""
-    return (weight(car, s, 0) + weight(car, s, 1)) + (weight(car, s, 2) + weight(car, s, 3))
-
-
-@compilable
-def mean_of_free_wheels(car: Car, s: ReferenceSpeedState, by_wheel: Wheels) -> float:
-    """Speed of the car [m/s] by the wheels without a motor that are believed; there must be one."""
-    front = weight(car, s, 0) * by_wheel[0] + weight(car, s, 1) * by_wheel[1]
-    rear = weight(car, s, 2) * by_wheel[2] + weight(car, s, 3) * by_wheel[3]
-    return (front + rear) / free_wheels(car, s)
+def free_wheels(car: Car, s: ReferenceSpeedState, by_wheel: Wheels) -> tuple[float, float]:
+    """The number of wheels that have no motor and are believed [1], and the sum of the speeds that they mean [m/s]."""
+    a, b = (1.0 - car.driven[0]) * (1.0 - s.trust.left_out[0]), (1.0 - car.driven[1]) * (1.0 - s.trust.left_out[1])
+    c, d = (1.0 - car.driven[2]) * (1.0 - s.trust.left_out[2]), (1.0 - car.driven[3]) * (1.0 - s.trust.left_out[3])
+    return (a + b) + (c + d), (a * by_wheel[0] + b * by_wheel[1]) + (c * by_wheel[2] + d * by_wheel[3])
 
 
 @compilable

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ev_control.estimation.wheel_dynamics import WheelMotion
-from ev_core.law import Car, Wheels, atan, compilable, cos, entry, group, parameter, part, sin, sqrt
+from ev_core.law import Car, Wheels, atan, compilable, cos, entry, group, parameter, sin, sqrt
 from ev_msgs_py.contract.signals import DriverCommand, InertialMeasurement, SteeringColumnState, WheelStates
 
 
@@ -147,13 +147,6 @@ class SideForceParameters:
     observer: SlipAngleObserverParameters = group(SlipAngleObserverParameters)
 
 
-@dataclass(slots=True)
-class SideForceState:
-    """What lasts between steps."""
-
-    observer: SlipAngleObserverState = part(SlipAngleObserverState)
-
-
 @compilable
 def slip_angle_of(
     p: SlipAngleObserverParameters, car: Car, s: SlipAngleObserverState, period: float, motion: WheelMotion
@@ -168,9 +161,11 @@ def slip_angle_of(
 
 
 @compilable
-def share_left(p: SideForceParameters, car: Car, s: SideForceState, period: float, motion: WheelMotion) -> float:
+def share_left(
+    p: SideForceParameters, car: Car, s: SlipAngleObserverState, period: float, motion: WheelMotion
+) -> float:
     """What is left of a slip threshold [1]: sqrt(1 - (alpha/alpha_max)^2), at least `least`; 1 without correction."""
     if p.correction == NONE:
         return 1.0
-    use = slip_angle_of(p.observer, car, s.observer, period, motion) / p.largest_slip_angle
+    use = slip_angle_of(p.observer, car, s, period, motion) / p.largest_slip_angle
     return max(sqrt(max(1.0 - use * use, 0.0)), p.least)

@@ -25,8 +25,7 @@ from ev_msgs_py.contract.optional_signals import LoadCommand
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.wire.layout import MessageError
-from ev_msgs_py.wire.message_format import format_of
+from ev_msgs_py.wire import MessageError, format_of
 
 GOOD, WARNED, FAULTY, SILENT = range(4)  # as the levels of diagnostic_msgs: OK, WARN, ERROR, STALE
 

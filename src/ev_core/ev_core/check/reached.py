@@ -66,7 +66,8 @@ def reached(subject: Subject, seeds: Sequence[int]) -> Reached:
     with _counting(codes, calls, lines):
         for seed in seeds:
             outputs(subject.part(), subject.frames(seed))
-    known = {(code, line) for code in codes for line in _lines_of(code)}
+    of_code = ((code, line) for code in codes for _, _, line in code.co_lines())
+    known = {(code, line) for code, line in of_code if line is not None and line > code.co_firstlineno}
     return Reached(calls, {(Path(code.co_filename).name, line): lines[code, line] for code, line in known})
 
 
@@ -90,10 +91,6 @@ def _counting(
         yield
     finally:
         sys.settrace(None)
-
-
-def _lines_of(code: CodeType) -> set[int]:
-    return {line for _, _, line in code.co_lines() if line is not None and line > code.co_firstlineno}
 
 
 def _functions(method: Method) -> list[FunctionType]:

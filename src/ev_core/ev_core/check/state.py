@@ -8,7 +8,6 @@ compiled and in plain Python, gives every number with the same bits.
 import copy
 import random
 from collections import Counter
-from typing import Any
 
 import numpy as np
 
@@ -81,17 +80,11 @@ def lost_by_live_change(subject: Subject, seed: int) -> str:
 def unnamed_state(subject: Subject) -> str:
     """Which numbers of a law's state have no name of their own; empty if all have one."""
     law, state = subject.configuration.method.law, subject.part().state
-    if law is None:
-        return _not_numbers(state)
-    twice = sorted(name for name, count in Counter(law.names()).items() if count > 1)
-    return f"several numbers of the state are called {', '.join(twice)}" if twice else ""
-
-
-def _not_numbers(state: Any) -> str:
-    if state is None:
-        return ""
+    if law is not None:
+        twice = sorted(name for name, count in Counter(law.names()).items() if count > 1)
+        return f"several numbers of the state are called {', '.join(twice)}" if twice else ""
     try:
-        [float(number) for number in state]
+        [float(number) for number in (() if state is None else state)]
     except (TypeError, ValueError):
         return f"the state is {type(state).__name__}, it has to be None or a row of numbers"
     return ""

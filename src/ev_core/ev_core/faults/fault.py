@@ -119,7 +119,9 @@ def _fault(text: str) -> Fault:
     if times["from"] >= times["until"]:
         raise ParameterError(f"faults: {quoted(text)} ends at {times['until']:g} s, allowed is after its begin")
     if name in OF_THE_CAR:
-        _refuse_place(text, name, where)
+        allowed = (BATTERY,) if name == "battery_share" else tuple(_SOME_WHEELS)
+        if where not in allowed:
+            raise ParameterError(f"faults: {quoted(text)}: {where} is refused, allowed is {', '.join(allowed)}")
     return Fault(text, name, where.replace("/", "."), value, times["from"], times["until"])
 
 
@@ -131,9 +133,3 @@ def _number(text: str, word: str, low: float, high: float, unit: str) -> float:
     if not low <= value <= high:
         raise ParameterError(f"faults: {quoted(text)}: {word} is refused, allowed is {low:g} to {high:g} {unit}")
     return value
-
-
-def _refuse_place(text: str, name: str, where: str) -> None:
-    allowed = (BATTERY,) if name == "battery_share" else tuple(_SOME_WHEELS)
-    if where not in allowed:
-        raise ParameterError(f"faults: {quoted(text)}: {where} is refused, allowed is {', '.join(allowed)}")

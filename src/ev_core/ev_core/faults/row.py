@@ -10,13 +10,12 @@ A row of numbers has the settings of the faults behind one object, another one w
 
 import zlib
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from ev_core.elementary import cos, sin
 from ev_core.faults.fault import OF_SIGNALS, Fault, parsed
 from ev_core.sensors.measuring import Numbers, carried
 from ev_core.sensors.random_numbers import WORD, normals, philox, uniform
-from ev_core.sensors.row import keep_memories
+from ev_core.sensors.row import Row
 from ev_core.vehicle.car import GRAVITY
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import frame
@@ -126,15 +125,16 @@ def of_signals(texts: tuple[str, ...]) -> list[Fault]:
     return [fault for fault in parsed(texts) if fault.kind in OF_SIGNALS]
 
 
-class FaultRow:
+class FaultRow(Row):
     """Faults of signals that an object with these `writes` publishes; `constants` and `state` are as above.
 
     ParameterError for a number that is not among them.
     """
 
+    head, width, key, memory = FAULTS_HEAD, FAULT_WIDTH, (FAULT_NAME, NUMBER, LENGTH), MEMORY
+
     def __init__(self, faults: Sequence[Fault], writes: tuple[type, ...], seed: int, period: float) -> None:
         self.constants = [0.0] * FAULTS_HEAD
-        self._size = 0
         texts = [fault.text for fault in faults]
         for n, fault in enumerate(faults):
             again = texts[:n].count(fault.text)  # two of one text have random numbers of their own
@@ -163,14 +163,6 @@ class FaultRow:
             places = [float(place) for _, place, _ in (one, other)]
             told = [float(_CODES.index(fault.kind)), *places, begin, end, fault.value, float(seed), float(name)]
             yield [*told, float(number), float(memory), float(length), float(one[2]), float(other[2])]
-
-    def start(self) -> None:
-        """Begin anew, before the first period."""
-        self.state = [0.0] * self._size
-
-    def go_on_from(self, other: Any) -> None:
-        """What the same faults remember goes on; others begin with the present numbers."""
-        keep_memories(self, other, FAULTS_HEAD, FAULT_WIDTH, (FAULT_NAME, NUMBER, LENGTH), MEMORY)
 
     def step(self, numbers: Numbers) -> None:
         """Put what the faults leave of them into the place of the numbers in a frame; once per period."""

@@ -45,7 +45,7 @@ def playback_method(role: str, name: str) -> Method:
     return Playback(role, name, recorded, tuple(s for s in known if recorded.has(s)), NoParameters)
 
 
-def _recorded(role: str, name: str) -> Recorded:
+def _recorded(role: str, name: str) -> RecordedRole:
     path = Path(name)
     try:
         refuse_outside(name, path)
@@ -57,11 +57,11 @@ def _recorded(role: str, name: str) -> Recorded:
 
 
 @lru_cache(maxsize=8)  # the roles of one recording
-def _read_once(role: str, name: str, _path: Path, _modified: int) -> Recorded:
-    return Recorded(role, name, read_arrays(name))
+def _read_once(role: str, name: str, _path: Path, _modified: int) -> RecordedRole:
+    return RecordedRole(role, name, read_arrays(name))
 
 
-class Recorded:
+class RecordedRole:
     """The recorded output of a role, instant by instant; makes the objects that repeat it.
 
     `writes` are the signals of the role that the file has. ParameterError if there is none of them.
@@ -90,7 +90,7 @@ class Recorded:
         topic = TOPICS.get(signal)
         return topic is not None and self._names.issuperset(topic.channels)
 
-    def __call__(self, parameters: Any, vehicle: Any, period: float) -> Recorded:
+    def __call__(self, parameters: Any, vehicle: Any, period: float) -> RecordedRole:
         """Itself, for nothing lasts between steps; ParameterError if it was recorded with another period."""
         if (self.instants - 1) * stamps.from_seconds(period) != self.last:
             raise ParameterError(
@@ -99,7 +99,7 @@ class Recorded:
             )
         return self
 
-    def part(self, method: Method, made: Recorded) -> PlaybackPart:
+    def part(self, method: Method, made: RecordedRole) -> PlaybackPart:
         """What plays a role by it."""
         return PlaybackPart(made)
 
@@ -109,7 +109,7 @@ class PlaybackPart(CalledBack):
 
     state = None
 
-    def __init__(self, recorded: Recorded) -> None:
+    def __init__(self, recorded: RecordedRole) -> None:
         self._recorded = recorded
         self._rows = [(place, rows.shape[1], rows.reshape(-1).data) for place, rows in recorded.rows]
         self._period = max(recorded.last // max(recorded.instants - 1, 1), 1)

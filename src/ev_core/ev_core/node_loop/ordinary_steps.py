@@ -22,7 +22,7 @@ from ev_core.node_loop.steps import FAILED, GID, INPUT, LOOP, NOT_FINITE, ODD, O
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.stamps import NANOSECONDS
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_msgs_py.wire.message_format import ENCAPSULATION
+from ev_msgs_py.wire import ENCAPSULATION
 
 VARIABLE = "EV_STACK_NODE_LOOP"
 

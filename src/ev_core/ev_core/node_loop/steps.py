@@ -21,7 +21,7 @@ from ev_core.lockstep.tally import BLOCK, add_up_step
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.frame import SIZE, TIME
 from ev_msgs_py.contract.stamps import NANOSECONDS
-from ev_msgs_py.wire.message_format import STAMP_AT
+from ev_msgs_py.wire import STAMP_AT
 
 
 class Memory(NamedTuple):

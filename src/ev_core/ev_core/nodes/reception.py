@@ -10,8 +10,7 @@ from ev_core.nodes.reports import Reports
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.topics import Topic
-from ev_msgs_py.wire.layout import MessageError
-from ev_msgs_py.wire.message_format import format_of, stamp_of
+from ev_msgs_py.wire import MessageError, format_of, stamp_of
 
 _PROCESS = 12  # first bytes of an identity, which all publishers of a process have
 

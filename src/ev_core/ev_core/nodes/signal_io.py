@@ -18,7 +18,7 @@ from ev_core.node_loop.ordinary_steps import End
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
-from ev_msgs_py.wire.message_format import format_of
+from ev_msgs_py.wire import format_of
 
 _SOON, _LATER = 0.01, 0.2  # s of wall time between looks into the graph for a sender: not known yet, refused
 _KEPT = 100  # senders of whom it is known when they were looked up

@@ -117,9 +117,7 @@ def defaults(of: type[P]) -> P:
     return of()
 
 
-@cache
-def _type_hints(of: type) -> dict[str, Any]:
-    return typing.get_type_hints(of)
+_type_hints = cache(typing.get_type_hints)
 
 
 def _element_type(hint: Any) -> tuple[type, bool]:

@@ -4,7 +4,7 @@ The quantities are the fields of the signals, by the sensor that each of them na
 """
 
 import zlib
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, make_dataclass
 from functools import cache
 from typing import Any
@@ -114,12 +114,47 @@ def sensors_for(signals: tuple[type, ...]) -> type:
     return make_dataclass("Sensors", groups, frozen=True, slots=True)
 
 
-class SensorRow:
+class Row:
+    """Sensors or faults behind one object: rows of their settings, `width` behind a `head`, and of their state.
+
+    Those with the same settings at `key` remember the same numbers, whose place in the state is the one at `memory`.
+    """
+
+    constants: list[float]
+    head: int
+    width: int
+    key: tuple[int, ...]
+    memory: int
+    _size = 0
+
+    def start(self) -> None:
+        """Begin anew, before the first period."""
+        self.state = [0.0] * self._size
+
+    def go_on_from(self, other: Any) -> None:
+        """What the same ones remember goes on; others begin with the present numbers."""
+        before = dict(other.memories())
+        for name, place in self.memories():
+            if name in before:
+                self.state[place] = other.state[before[name]]
+
+    def memories(self) -> Iterator[tuple[tuple[float, ...], slice]]:
+        """By name where each one's numbers stand in the state, up to those of the next one."""
+        places = range(self.head, len(self.constants), self.width)
+        begins = [int(self.constants[n + self.memory]) for n in places]
+        for n, begin, end in zip(places, begins, [*begins[1:], len(self.state)], strict=False):
+            yield tuple(self.constants[n + k] for k in self.key), slice(begin, end)
+
+
+class SensorRow(Row):
     """Those of some sensors that are not ideal; `parameters` are as `sensors_for` declares them.
 
     With fewer wheels `driven` a test bench has fewer channels. `constants` and `state` are rows of numbers as
     `measuring` has them, the state all that lasts.
     """
+
+    head, width, memory = measuring.SENSORS_HEAD, measuring.SENSOR_WIDTH, measuring.MEMORY
+    key = (measuring.SENSOR_NAME, measuring.FIRST, measuring.COUNT, measuring.DELAY)
 
     def __init__(self, parameters: Any, seed: int, driven: Collection[str] = WHEEL_NAMES) -> None:
         self.constants = [0.0] * measuring.SENSORS_HEAD
@@ -144,43 +179,14 @@ class SensorRow:
         told += [measuring.DISTRIBUTIONS.index(errors.distribution), errors.noise_of_reading, part.start // 2]
         return [float(value) for value in told]
 
-    def start(self) -> None:
-        """Begin anew, before the first period."""
-        self.state = [0.0] * self._size
-
     def go_on_from(self, other: Any) -> None:
         """Go on in the period where others were; a sensor that has another delay or was not there begins with it."""
         self.state[0] = other.state[0]
-        keep_memories(
-            self,
-            other,
-            measuring.SENSORS_HEAD,
-            measuring.SENSOR_WIDTH,
-            (measuring.SENSOR_NAME, measuring.FIRST, measuring.COUNT, measuring.DELAY),
-            measuring.MEMORY,
-        )
+        super().go_on_from(other)
 
     def step(self, frame: measuring.Numbers) -> None:
         """Put what the sensors show into a frame of true numbers; once per period, the first time at the start."""
         measuring.measure(frame, self.state, self.constants)
-
-
-def keep_memories(row: Any, other: Any, head: int, width: int, key: Sequence[int], memory: int) -> None:
-    """Give a row of sensors or of faults what those of another one remember that have the same numbers at `key`."""
-    before = dict(_memories(other, head, width, key, memory))
-    for name, place in _memories(row, head, width, key, memory):
-        if name in before:
-            row.state[place] = other.state[before[name]]
-
-
-def _memories(
-    row: Any, head: int, width: int, key: Sequence[int], memory: int
-) -> Iterator[tuple[tuple[float, ...], slice]]:
-    """By name where each one's numbers stand in the state, up to those of the next one."""
-    c = row.constants
-    begins = [int(c[n + memory]) for n in range(head, len(c), width)]
-    for i, end in enumerate([*begins[1:], len(row.state)]):
-        yield tuple(c[head + i * width + k] for k in key), slice(begins[i], end)
 
 
 def imperfect(parameters: Any) -> Iterator[tuple[Quantity, Any]]:

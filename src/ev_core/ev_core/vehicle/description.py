@@ -227,11 +227,6 @@ class Vehicle:
                 )
 
     @property
-    def free_wheel_inertia(self) -> float:
-        """Inertia of a wheel without motor [kg m^2]."""
-        return self.wheel_inertia * self.undriven_inertia_ratio + self.carried_inertia
-
-    @property
     def front_share_of_roll(self) -> float:
         """Share of the lateral load transfer that the front axle takes [1]."""
         if not self.suspension.has_roll_stiffness:

@@ -225,7 +225,7 @@ def wheel_inertias(vehicle: Vehicle) -> list[float]:
     return [
         vehicle.wheel_inertia + vehicle.carried_inertia + gear * gear * rotor * motors
         if name in vehicle.driven_wheels
-        else vehicle.free_wheel_inertia
+        else vehicle.wheel_inertia * vehicle.undriven_inertia_ratio + vehicle.carried_inertia
         for name, gear, motors in zip(WHEEL_NAMES, numbers["gear"], numbers["motors"], strict=True)
     ]
 

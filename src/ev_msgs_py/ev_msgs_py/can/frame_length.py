@@ -72,12 +72,6 @@ def _stuffed(state: int, bits: Iterable[int]) -> tuple[int, int]:
     return count, _state(last, run)
 
 
-def _stuffing() -> bytes:
-    """By state and byte the stuff bits times 8 plus the next state."""
-    entries = (_stuffed(state, _bits(byte, 8)) for state in range(_STATES) for byte in range(256))
-    return bytes(count * _STATES + then for count, then in entries)
-
-
 def _remainders() -> list[int]:
     """By number of bytes behind it, and by byte, what a byte adds to the CRC, which is linear."""
     first = [crc15(_bits(byte, 8)) for byte in range(256)]
@@ -88,8 +82,10 @@ def _remainders() -> list[int]:
     return found
 
 
-# As bytes, which compiled code reads in one instruction.
-_STUFFING = _stuffing()
+# As bytes, which compiled code reads in one instruction: by state and byte the stuff bits times 8 plus the next state,
+# and by number of bytes behind it and byte the two halves of the remainder.
+_STUFFED = (_stuffed(state, _bits(byte, 8)) for state in range(_STATES) for byte in range(256))
+_STUFFING = bytes(count * _STATES + then for count, then in _STUFFED)
 _LOW, _HIGH = bytes(crc & 0xFF for crc in _remainders()), bytes(crc >> 8 for crc in _remainders())
 
 

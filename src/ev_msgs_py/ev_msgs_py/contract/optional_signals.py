@@ -71,6 +71,11 @@ class BusStates(NamedTuple):
     lost_12: Annotated[float, Field("1", "frames lost since the start", "bus_12.effort")]
 
 
+def _temperature(about: str, place: str, sensor: str = "bench_temperature") -> Field:
+    """A Field of a temperature, by default that of a thermocouple of a test bench."""
+    return Field("degC", about, place, sensor, 100.0)
+
+
 class WheelSpeedCommand(NamedTuple):
     """Set-points of drives in speed mode; the torque command is the largest torque that they may use to get there."""
 
@@ -109,15 +114,11 @@ class MotorElectrics(NamedTuple):
 class MotorTemperatures(NamedTuple):
     """Temperatures of motor, inverter and coolant of each wheel, as efforts; zero where there is no motor."""
 
-    winding: Annotated[Wheels, Field("degC", "of the winding", "{wheel}_winding.effort", "winding_temperature", 100.0)]
-    inverter: Annotated[
-        Wheels, Field("degC", "of the power stage", "{wheel}_inverter.effort", "inverter_temperature", 100.0)
-    ]
-    coolant_inlet: Annotated[
-        Wheels, Field("degC", "into both", "{wheel}_coolant_inlet.effort", "coolant_temperature", 100.0)
-    ]
+    winding: Annotated[Wheels, _temperature("of the winding", "{wheel}_winding.effort", "winding_temperature")]
+    inverter: Annotated[Wheels, _temperature("of the power stage", "{wheel}_inverter.effort", "inverter_temperature")]
+    coolant_inlet: Annotated[Wheels, _temperature("into both", "{wheel}_coolant_inlet.effort", "coolant_temperature")]
     coolant_outlet: Annotated[
-        Wheels, Field("degC", "out of both", "{wheel}_coolant_outlet.effort", "coolant_temperature", 100.0)
+        Wheels, _temperature("out of both", "{wheel}_coolant_outlet.effort", "coolant_temperature")
     ]
     coolant_flow: Annotated[
         Wheels, Field("l/min", "through both", "{wheel}_coolant_inlet.velocity", "coolant_flow", 100.0)
@@ -131,10 +132,6 @@ class CellCondition(NamedTuple):
     temperature: Annotated[
         float, Field("degC", "of the cells", "temperature", "cell_temperature", 100.0, single_precision=True)
     ]
-
-
-def _thermocouple(about: str, place: str) -> Field:
-    return Field("degC", about, place, sensor="bench_temperature", largest=100.0)
 
 
 class LoadCommand(NamedTuple):
@@ -189,11 +186,11 @@ class BenchElectrical(NamedTuple):
 class BenchTemperatures(NamedTuple):
     """What the thermocouples of a test bench show: coolant of each machine, and the rotor under test."""
 
-    coolant_in: Annotated[Wheels, _thermocouple("of the machine under test, inlet", "{wheel}_coolant_in.effort")]
-    coolant_out: Annotated[Wheels, _thermocouple("of the machine under test, outlet", "{wheel}_coolant_out.effort")]
-    load_coolant_in: Annotated[Wheels, _thermocouple("of the load machine, inlet", "{wheel}_load_coolant_in.effort")]
-    load_coolant_out: Annotated[Wheels, _thermocouple("of the load machine, outlet", "{wheel}_load_coolant_out.effort")]
-    rotor: Annotated[Wheels, _thermocouple("of the machine under test", "{wheel}_rotor.effort")]
+    coolant_in: Annotated[Wheels, _temperature("of the machine under test, inlet", "{wheel}_coolant_in.effort")]
+    coolant_out: Annotated[Wheels, _temperature("of the machine under test, outlet", "{wheel}_coolant_out.effort")]
+    load_coolant_in: Annotated[Wheels, _temperature("of the load machine, inlet", "{wheel}_load_coolant_in.effort")]
+    load_coolant_out: Annotated[Wheels, _temperature("of the load machine, outlet", "{wheel}_load_coolant_out.effort")]
+    rotor: Annotated[Wheels, _temperature("of the machine under test", "{wheel}_rotor.effort")]
 
 
 class BenchEnergy(NamedTuple):

@@ -142,17 +142,13 @@ MASTER = "plant"
 REQUIRED = tuple(name for name, role in ROLES.items() if not role.optional)
 
 INTEGRATED = frozenset(signal for role in ROLES.values() if role.kind is RoleKind.INTEGRATES for signal in role.writes)
-
-
-def _is_extra(signal: type) -> bool:
-    """Whether no role that is always played writes a signal, or none reads it."""
-    always = [ROLES[name] for name in REQUIRED]
-    return not (any(signal in role.writes for role in always) and any(signal in role.reads for role in always))
-
-
 _OFFERED = tuple(signal for role in ROLES.values() for signal in role.offers)
 _ALL = (*_OFFERED, *(signal for role in ROLES.values() for signal in role.writes))
-EXTRA = frozenset(filter(_is_extra, _ALL))
+# Those that no role that is always played writes, or none reads.
+EXTRA = frozenset(_ALL) - (
+    {signal for name in REQUIRED for signal in ROLES[name].writes}
+    & {signal for name in REQUIRED for signal in ROLES[name].reads}
+)
 # What is only offered, what only optional roles write or read, or nobody reads, comes last: a frame without it is as
 # short as if there were none of it.
 RECORDED = tuple(sorted(_ALL, key=lambda signal: signal in EXTRA))

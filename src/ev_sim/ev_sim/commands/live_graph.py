@@ -18,7 +18,7 @@ from rclpy.validate_namespace import validate_namespace
 
 from ev_core.nodes.stop_request import StopRequest
 from ev_msgs_py.refusal import LINE, quoted, shown
-from ev_msgs_py.wire.layout import message_class
+from ev_msgs_py.wire import message_class
 from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.running.domain import reserved_domains
 

@@ -27,8 +27,7 @@ from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
 from ev_msgs_py.contract.signals import BodyVelocity
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, shown
-from ev_msgs_py.wire.layout import MessageError
-from ev_msgs_py.wire.message_format import format_of
+from ev_msgs_py.wire import MessageError, format_of
 from ev_sim.recording.recording import Recording, recording_of
 from ev_sim.report.page.top_view import PREFIX, car_of, groups_of, view_channels
 

@@ -14,7 +14,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from ev_core.vehicle.car import GRAVITY
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.wire.layout import message_class
+from ev_msgs_py.wire import message_class
 from ev_sim.report.page.top_view import PREFIX, car_of
 
 _HEIGHT, _OVERHANG = 1.0, 1.35  # m, of the body that is drawn; the vehicle file has nothing about its looks

@@ -24,8 +24,7 @@ from ev_core.run_role import run_node
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import MASTER, RECORDER, RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_msgs_py.wire.layout import MessageError
-from ev_msgs_py.wire.message_format import stamp_of
+from ev_msgs_py.wire import MessageError, stamp_of
 from ev_sim.recording.run_recorder import RecorderParameters, RunRecorder
 
 _Add = Callable[[list[bytes], list[int]], None]  # takes messages, and when they came [ns]

@@ -18,8 +18,7 @@ from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDED, ROLES
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, TOPICS, Topic
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_msgs_py.wire.layout import MessageError
-from ev_msgs_py.wire.message_format import stamp_of
+from ev_msgs_py.wire import MessageError, stamp_of
 from ev_sim.recording.durable_bag import DurableBag
 from ev_sim.recording.recording import BAG, SIGNALS, Recording, free_path, write_signals
 from ev_sim.recording.spool import BLOCK, MessageTable, Spool, SpooledTopic

@@ -15,8 +15,7 @@ import numpy as np
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.frame import PLACES
 from ev_msgs_py.contract.topics import Topic
-from ev_msgs_py.wire.layout import MessageError
-from ev_msgs_py.wire.message_format import STAMP_AT, format_of
+from ev_msgs_py.wire import STAMP_AT, MessageError, format_of
 
 
 class MessageTable:

@@ -21,8 +21,7 @@ from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.refusal import ParameterError
-from ev_msgs_py.wire.layout import MessageError
-from ev_msgs_py.wire.message_format import stamp_of
+from ev_msgs_py.wire import MessageError, stamp_of
 from ev_sim.recording import recording
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import Recording, load, recording_of

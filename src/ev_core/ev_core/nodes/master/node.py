@@ -29,7 +29,7 @@ from ev_core.nodes.stepped_node import SteppedNode
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES, REQUIRED, ROLES
 from ev_msgs_py.contract.topics import Topic
-from ev_msgs_py.wire.message_format import stamp_alone
+from ev_msgs_py.wire import stamp_alone
 
 
 class Silence:

@@ -1,1 +1,0 @@
-"""Frames as messages: serialized templates with the numbers of the frame at fixed places."""
