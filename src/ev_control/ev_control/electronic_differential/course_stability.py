@@ -21,11 +21,11 @@ from ev_msgs_py.contract.signals import (
 )
 
 FIRSTS = ("steering", "yaw")
-STEERING, YAW = range(len(FIRSTS))
+STEERING_FIRST, YAW_FIRST = range(len(FIRSTS))
 WISHES = ("angle", "hand_torque")
-ANGLE, HAND_TORQUE = range(len(WISHES))
+WISHED_ANGLE, WISHED_BY_TORQUE = range(len(WISHES))
 AGAINST = ("oversteer", "both")
-OVERSTEER, BOTH = range(len(AGAINST))
+ONLY_OVERSTEER, EITHER_WAY = range(len(AGAINST))
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +111,7 @@ def course_stability(
         rear_speed = car.wheel_radius * (wheels.velocity.rear_left + wheels.velocity.rear_right) / 2.0
         yaw = lever * yaw_moment(p, car, friction, column, rear_speed, imu.yaw_rate)
         room = room_of(p, car, friction, driver.drive_torque / 2.0, wheels, imu)
-        if p.first == STEERING:
+        if p.first == STEERING_FIRST:
             steering = within(room, steering)
             yaw = within(left_over(room, steering), yaw)
         else:
@@ -128,12 +128,12 @@ def yaw_moment(
     if abs(u) < p.slowest:
         return 0.0
     wish = column.road_wheel_angle
-    if p.wish == HAND_TORQUE:
+    if p.wish == WISHED_BY_TORQUE:
         i = car.steering_ratio
         wish = (1.0 + p.gamma) * i * column.hand_torque / (p.stiffness + i * i * p.k_ck)
     limit = p.grip_share * friction * GRAVITY / abs(u)
     wanted = min(max(u * wish / (car.wheelbase + p.understeer * u * u), -limit), limit)
-    least, most = (min(wanted, 0.0), max(wanted, 0.0)) if p.against == OVERSTEER else (wanted, wanted)
+    least, most = (min(wanted, 0.0), max(wanted, 0.0)) if p.against == ONLY_OVERSTEER else (wanted, wanted)
     error = min(max(yaw_rate, least), most) - yaw_rate
     largest = car.steering_ratio * p.largest_hand_torque
     return min(max(p.yaw_gain * error, -largest), largest)

@@ -13,7 +13,7 @@ from ev_core.parameters.declaration import group, parameter, setting
 from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState, WheelStates, WheelTorqueRequest
 
 FACTORS = ("given", "inertia", "equality")
-GIVEN, INERTIA, EQUALITY = range(len(FACTORS))
+GIVEN_FACTOR, INERTIA_FACTOR, EQUALITY_FACTOR = range(len(FACTORS))
 SECOND_BRANCHES = ("printed", "derived", "rear_share")
 PRINTED, DERIVED, REAR_SHARE = range(len(SECOND_BRANCHES))
 LARGEST_OF_CARS = 100.0  # [m/s^2], more than any car's; with the next one it keeps the factor of eq 4 finite
@@ -56,9 +56,9 @@ def front_share(
     while the rear does (eq 5), within 0..largest_front_share.
     """
     factor, lever = p.k, 2.0 * car.yaw_inertia / (car.wheelbase * car.wheelbase)
-    if p.factor == INERTIA:
+    if p.factor == INERTIA_FACTOR:
         factor = lever / car.mass
-    elif p.factor == EQUALITY:
+    elif p.factor == EQUALITY_FACTOR:
         factor = lever * min(acceleration, LARGEST_OF_CARS) / max(force, LEAST_FORCE)
     share = factor * cos_phi
     if not front_slides and p.second_branch == PRINTED:
@@ -79,11 +79,11 @@ def rear_difference(car: Car, road_wheel_angle: float, front_share: float) -> fl
 
 
 BRAKING = ("straight", "deceleration", "command")
-STRAIGHT, DECELERATION, COMMAND = range(len(BRAKING))
+BRAKES_STRAIGHT, DECELERATES, DRIVER_BRAKES = range(len(BRAKING))
 REAR_WHEELS = ("by_speed", "by_geometry")
 BY_SPEED, BY_GEOMETRY = range(len(REAR_WHEELS))
 FIRST_BRANCHES = ("front", "rear")
-FRONT, REAR = range(len(FIRST_BRANCHES))
+FRONT_BRANCH, REAR_BRANCH = range(len(FIRST_BRANCHES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +152,7 @@ class AxleRedistributionState:
 
 def first_branch(p: AxleRedistributionParameters) -> AxleRedistributionState:
     """The state that begins on the branch of the parameters."""
-    return AxleRedistributionState(front_slides=1.0 if p.first_branch == FRONT else 0.0)
+    return AxleRedistributionState(front_slides=1.0 if p.first_branch == FRONT_BRANCH else 0.0)
 
 
 @differential(
@@ -206,10 +206,10 @@ def axle_redistribution(
             s.cos_phi = ahead * imu.longitudinal_acceleration / s.acceleration
     h = 0.0
     # The rear axle gets all torque, h = 0, for phi = pi, j_y = 0, j_x <= 0 (below eq 5).
-    if p.braking == COMMAND:
+    if p.braking == DRIVER_BRAKES:
         all_to_rear = ahead * torque < 0.0 or driver.brake_torque > 0.0
     else:
-        all_to_rear = s.cos_phi <= (0.0 if p.braking == DECELERATION else -cos(p.straight_angle))
+        all_to_rear = s.cos_phi <= (0.0 if p.braking == DECELERATES else -cos(p.straight_angle))
     if not all_to_rear:
         h = front_share(p, car, s.front_slides == 1.0, s.cos_phi, s.acceleration, ahead * torque / car.wheel_radius)
     inner = 1.0 if delta > 0.0 else -1.0

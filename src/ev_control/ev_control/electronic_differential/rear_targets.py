@@ -25,7 +25,7 @@ def slip_ratio(wheel_speed: float, ground_speed: float, slowest: float) -> float
 
 
 CONTROL_READINGS = ("rate", "offset", "increment")
-RATE, OFFSET, INCREMENT = range(len(CONTROL_READINGS))
+AS_RATE, AS_OFFSET, AS_INCREMENT = range(len(CONTROL_READINGS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,8 +79,8 @@ def corrected(
         switched = min(max(error / p.layer_width, -1.0), 1.0)
     else:
         switched = copysign(1.0, error) if error != 0.0 else 0.0
-    change = gain * (period if p.reading == RATE else 1.0) * switched
-    return min(max(change if p.reading == OFFSET else correction + change, -limit), limit)
+    change = gain * (period if p.reading == AS_RATE else 1.0) * switched
+    return min(max(change if p.reading == AS_OFFSET else correction + change, -limit), limit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,8 +170,8 @@ def slip_target(
     return WheelTorqueRequest(Wheels(0.0, 0.0, share + s.left, share + s.right), equal.brake)
 
 
-KEEPS = ("torque", "speed")
-TORQUE, SPEED = range(len(KEEPS))
+KEPT_MEANS = ("torque", "speed")
+KEPT_TORQUE, KEPT_SPEED = range(len(KEPT_MEANS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,7 +180,7 @@ class WheelSpeedParameters:
 
     mean: str = parameter(
         "torque",
-        choices=KEEPS,
+        choices=KEPT_MEANS,
         about="torque: the torques add up to the driver's, only the difference of the speeds is commanded; speed: both "
         "speeds are, and their mean is held where it was when the pedal was pressed",
         source="assumption; Ge & Ni 2005 speak of the speed of each wheel as what is controlled",
@@ -246,7 +246,7 @@ def wheel_speed(
     mean, limit = (left + right) / 2.0, p.largest_correction * abs(share)
     if s.holds == 0.0:
         s.held, s.holds = mean, 1.0
-    wanted = s.held if p.mean == SPEED else mean
+    wanted = s.held if p.mean == KEPT_SPEED else mean
     turned = wanted * car.rear_track * tan(column.road_wheel_angle) / (2.0 * car.wheelbase)
     error = turned - (right - left) / 2.0
     s.difference = limited(s.difference + p.integral_gain * period * error, limit)

@@ -176,7 +176,7 @@ def grip(car: Car, wheel: int, total: float, friction: float, load: float, speed
 
 
 CORRECTED_AXLES = ("automatic", "front", "rear")
-AUTOMATIC, FRONT, REAR = range(len(CORRECTED_AXLES))
+EITHER_AXLE, FRONT_AXLE, REAR_AXLE = range(len(CORRECTED_AXLES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,7 +228,7 @@ def steering_correction(
     correction = min(max(p.gain * column.road_wheel_angle, -p.largest_correction), p.largest_correction)
     front_left, front_right, rear_left, rear_right = equal.drive
     front_can = car.driven[0] == 1.0 and car.driven[1] == 1.0 and car.differential[0] == 0.0
-    if p.axle == FRONT or (p.axle == AUTOMATIC and front_can):
+    if p.axle == FRONT_AXLE or (p.axle == EITHER_AXLE and front_can):
         front_left, front_right = front_left - front_left * correction, front_left + front_left * correction
     else:
         rear_left, rear_right = rear_left - rear_left * correction, rear_left + rear_left * correction

@@ -11,7 +11,7 @@ from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, driv
 from ev_sim.profiles import profile as profiles
 
 WAYS = ("hand_torque", "angle")
-HAND_TORQUE, ANGLE = range(len(WAYS))
+GIVEN_TORQUE, GIVEN_ANGLE = range(len(WAYS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +144,7 @@ def speed_profile(
     """Follow a speed profile, and steer by a hand torque profile or to a road-wheel angle profile."""
     t, wanted = now.time, profiles.value_at(c.speed, now.time)
     drive, brake = follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed_along_path(body))
-    if p.steering.mode == HAND_TORQUE:
+    if p.steering.mode == GIVEN_TORQUE:
         return DriverCommand(drive, brake, profiles.value_at(c.hand_torque, t))
     angle = car.steering_ratio * profiles.value_at(c.angle, t)
     return DriverCommand(drive, brake, turn_to_angle(p.steering.angle_control, s.hands, period, angle, column))

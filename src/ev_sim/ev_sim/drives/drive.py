@@ -73,15 +73,15 @@ class SwitchedDriveParameters:
             )
 
 
-DRIVES = ("ideal", "averaged", "switched")
-IDEAL, AVERAGED, SWITCHED = range(len(DRIVES))
+DRIVE_MODELS = ("ideal", "averaged", "switched")
+IDEAL_DRIVE, AVERAGED_DRIVE, SWITCHED_DRIVE = range(len(DRIVE_MODELS))
 
 
 @dataclass(frozen=True, slots=True)
 class DriveParameters:
     """Drive model with its motor; a plant's parameters inherit from it to have the same names."""
 
-    drive: str = setting("ideal", choices=DRIVES, about="depth of detail of the drives")
+    drive: str = setting("ideal", choices=DRIVE_MODELS, about="depth of detail of the drives")
     motor: MotorParameters = group(MotorParameters)
     averaged: AveragedDriveParameters = group(AveragedDriveParameters)
     switched: SwitchedDriveParameters = group(SwitchedDriveParameters)
@@ -243,11 +243,11 @@ def advance_drive(
     """
     most = p.motor.torque_limit
     reference = min(max(torque_reference, -most), most)
-    if p.drive == IDEAL:  # the current is the one that the torque needs; the bus voltage limits nothing
+    if p.drive == IDEAL_DRIVE:  # the current is the one that the torque needs; the bus voltage limits nothing
         s.torque = s.mean_torque = reference
         s.current = reference / torque_constant(p.motor)
         s.electrical_power = reference * speed
-    elif p.drive == AVERAGED:
+    elif p.drive == AVERAGED_DRIVE:
         advance_averaged(s, p, reference, speed, bus_voltage, duration)
     else:
         advance_switched(s, p, reference, speed, bus_voltage, duration)

@@ -16,7 +16,7 @@ from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.car import car_numbers, front_wheel_tangents
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.contact import find_road, look, within_friction
-from ev_sim.plant.planar.given import FREE, BodyConstants, PlanarParameters, body_constants
+from ev_sim.plant.planar.given import SPEED_FREE, BodyConstants, PlanarParameters, body_constants
 from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE, WHEEL_SPEED, Row, Step
 from ev_sim.plant.planar.prepare import RoadTables, road_tables
 from ev_sim.tyres.contact_patch import force_and_rate, slip_rate
@@ -164,7 +164,7 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
     dy[state.DRAG_WORK] = drag * vx
     step.acceleration_x = specific_x - drag / car.mass + step.gravity_x
     holding = 0.0  # [N/kg], in the plane of the road below the centre of mass: it neither turns nor pitches the car
-    if p.speed != FREE:
+    if p.speed != SPEED_FREE:
         wanted = step.imposed_acceleration - yaw_rate * vy
         holding = wanted - step.acceleration_x
         step.acceleration_x = wanted

@@ -13,7 +13,7 @@ from ev_sim.plant.planar.planar_state import LONGEST_DELAY, WHEEL_ANGLE, CarFaul
 from ev_sim.tyres.curve import soften
 
 CODES = tuple(OF_THE_CAR)
-SHARE, STUCK, TRIP, DELAY, HALL, BATTERY, PUNCTURE = range(len(CODES))
+MOTOR_SHARE, MOTOR_STUCK, INVERTER_TRIP, INVERTER_DELAY, HALL_STUCK, BATTERY_SHARE, FLAT_TYRE = range(len(CODES))
 
 
 class CarFaults(NamedTuple):
@@ -75,22 +75,22 @@ def find_faults(p: Any, faults: CarFaults, s: PlanarState, period: float) -> Non
         if not faults.begin[n] <= s.periods < faults.end[n]:
             continue
         kind, value = faults.kind[n], faults.value[n]
-        if kind == BATTERY:
+        if kind == BATTERY_SHARE:
             f.power *= value
         for i in range(4):
             if faults.wheels[4 * n + i] == 0.0:
                 continue
-            if kind == SHARE:
+            if kind == MOTOR_SHARE:
                 f.share[i] *= value
-            elif kind == STUCK:
+            elif kind == MOTOR_STUCK:
                 f.stuck[i] = 1.0
-            elif kind == TRIP:
+            elif kind == INVERTER_TRIP:
                 f.trips_at[i] = max(value, 1e-9)
-            elif kind == DELAY:
+            elif kind == INVERTER_DELAY:
                 f.delay[i] = value
-            elif kind == HALL:
+            elif kind == HALL_STUCK:
                 f.hall[i] = 1.0
-            elif kind == PUNCTURE:
+            elif kind == FLAT_TYRE:
                 since = (s.periods - faults.begin[n] + 1.0) * period
                 f.flat[i] = value * min(since / max(p.puncture.time, period), 1.0)
     for i in range(4):

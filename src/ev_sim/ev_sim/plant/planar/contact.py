@@ -67,7 +67,7 @@ def _look_under(y: Row, body: BodyConstants, step: Step, track: Track, i: int, f
 
 
 LATERAL_CURVES = ("same", "linear", "constant_stiffness")
-SAME, LINEAR, CONSTANT_STIFFNESS = range(len(LATERAL_CURVES))
+SAME_CURVE, LINEAR_CURVE, CONSTANT_STIFFNESS = range(len(LATERAL_CURVES))
 INFINITE = 1e12  # [N], beyond any force, but a number that may be multiplied
 
 
@@ -175,9 +175,9 @@ def _two_curves(y: Row, car: Car, body: BodyConstants, step: Step, i: int) -> No
     along, across = uncoupled(tyre, on_road, slid, (transport_x, transport_y), contact)
     limit = carried * largest(tyre.curve, on_road.friction, on_road)
     at.transport_x[i], at.transport_y[i] = transport_x, transport_y
-    at.largest_x[i], at.largest_y[i] = limit, limit if tyre.lateral_curve == SAME else INFINITE
+    at.largest_x[i], at.largest_y[i] = limit, limit if tyre.lateral_curve == SAME_CURVE else INFINITE
     at.secant_x[i], at.secant_y[i] = carried * along, carried * across
-    if tyre.lateral_curve == LINEAR:
+    if tyre.lateral_curve == LINEAR_CURVE:
         at.secant_y[i] = carried * body.cornering_stiffness[i]
     elif tyre.lateral_curve == CONSTANT_STIFFNESS:
         # Over the slip angle itself, while slips are sines of it.

@@ -9,14 +9,14 @@ from ev_core.faults.fault import faults_parameter
 from ev_core.law import GRAVITY, ParameterError, Vehicle, entry, group, parameter, part, per_wheel, setting
 from ev_core.vehicle.driveline import wheel_inertias
 from ev_core.vehicle.tyre import MfTyres, mf_tyres
-from ev_sim.drives.drive import DRIVES, DriveParameters
+from ev_sim.drives.drive import DRIVE_MODELS, DriveParameters
 from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
 from ev_sim.surfaces import RoadParameters
 from ev_sim.tyres.mf_tyre import is_plain
 
-TORQUE_CONTROLLED = len(DRIVES)
+TORQUE_CONTROLLED = len(DRIVE_MODELS)
 SPEED_CHOICES = ("free", "held", "imposed")
-FREE, HELD, IMPOSED = range(len(SPEED_CHOICES))
+SPEED_FREE, SPEED_HELD, SPEED_IMPOSED = range(len(SPEED_CHOICES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class PlanarParameters(DriveParameters):
 
     drive: str = setting(
         "torque_controlled",
-        choices=(*DRIVES, "torque_controlled"),
+        choices=(*DRIVE_MODELS, "torque_controlled"),
         about="torque_controlled: the motor of the vehicle description; the others: a brushless DC drive, `motor`",
     )
     step: float = setting(

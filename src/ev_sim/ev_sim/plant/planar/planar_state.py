@@ -196,4 +196,4 @@ class Step:
     stages: Stages = part(Stages)
 
 
-STEP = memory_type(Step)
+STEP_MEMORY = memory_type(Step)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ev_core.law import WHEEL_NAMES, ParameterError, Vehicle, exp, expm1, sqrt
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
 from ev_sim.drives.brushless_motor import torque_constant
-from ev_sim.drives.drive import DRIVES
+from ev_sim.drives.drive import DRIVE_MODELS
 from ev_sim.plant.guard import GuardLimits, guard_limits
 from ev_sim.plant.planar.car_faults import CarFaults, car_faults
 from ev_sim.plant.planar.given import BodyConstants, PlanarParameters, body_constants
@@ -155,7 +155,7 @@ class PlanarConstants(NamedTuple):
 def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> PlanarConstants:
     """The constants of a plant; ParameterError if a file that it names has not been read."""
     p = parameters
-    brushless = p.drive in DRIVES
+    brushless = p.drive in DRIVE_MODELS
     if brushless and not has_equal_motors(vehicle):
         raise ParameterError(f"drive {p.drive} needs equal motors and gears at all driven wheels, and no engine")
     steps = number_of_steps(p, vehicle, period)
@@ -183,7 +183,7 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
 
 def prepare_electrical(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> PlanarConstants:
     """The same with cells and the electrical side of the motors."""
-    if parameters.drive in DRIVES:
+    if parameters.drive in DRIVE_MODELS:
         raise ParameterError(f"planar_electrical needs drive torque_controlled, not {parameters.drive}")
     if vehicle.engine.peak_power > 0.0:
         raise ParameterError("planar_electrical needs motors, not vehicle.engine")
@@ -204,7 +204,7 @@ def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tu
     undriven = [n for n, torque in zip(WHEEL_NAMES, torques, strict=True) if torque and n not in vehicle.driven_wheels]
     for lacks, needed in (
         (parameters.initial_speed == 0.0, "an initial_speed other than 0"),
-        (parameters.drive in DRIVES, "drive torque_controlled"),
+        (parameters.drive in DRIVE_MODELS, "drive torque_controlled"),
         (not has_own_motors(vehicle), "vehicle.driveline.coupling individual"),
         (vehicle.tyre.curve == "mf_tyre", "a vehicle.tyre.curve other than mf_tyre"),
         (undriven, f"a motor at {', '.join(undriven)}"),
@@ -219,7 +219,7 @@ def number_of_steps(parameters: PlanarParameters, vehicle: Vehicle, period: floa
     longest = min(parameters.step, longest_step(vehicle), parameters.load_transfer_lag)
     if vehicle.suspension.roll_lag > 0.0:
         longest = min(longest, vehicle.suspension.roll_lag)
-    if parameters.drive in DRIVES:
+    if parameters.drive in DRIVE_MODELS:
         # A brushless DC drive may see one shaft speed over a step: without voltage to spare its current swings against
         # the wheel with n k/sqrt(2 L J_w), torque constant k behind the gear ratio n.
         constant, inductance = vehicle.gear_ratio * torque_constant(parameters.motor), parameters.motor.inductance

@@ -18,7 +18,7 @@ from ev_sim.plant.planar.body import loads, rates, steer
 from ev_sim.plant.planar.car_faults import deflate
 from ev_sim.plant.planar.contact import find_road, gravity_at, look, slips, within_friction
 from ev_sim.plant.planar.given import PlanarParameters
-from ev_sim.plant.planar.planar_state import STEP, PlanarState, Step
+from ev_sim.plant.planar.planar_state import STEP_MEMORY, PlanarState, Step
 from ev_sim.plant.planar.powertrain import drive_loss, source_voltage, terminal_voltage
 from ev_sim.plant.planar.prepare import PlanarConstants, RoadTables
 from ev_sim.tyres.curve import FRICTION_CURVES, Coefficients, friction, peak_slip
@@ -140,7 +140,7 @@ PLANAR_SIGNALS: tuple[type, ...] = get_args(Seen)
 @compilable
 def outputs(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState) -> Seen:
     """All signals at the instant of the state; drive torques are means over the period before it."""
-    return seen(p, car, c, s, working_memory(STEP))
+    return seen(p, car, c, s, working_memory(STEP_MEMORY))
 
 
 @compilable
@@ -196,7 +196,7 @@ ELECTRICAL_SIGNALS = (*PLANAR_SIGNALS, *get_args(Electrics))
 @compilable
 def electrical_outputs(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState) -> SeenWithElectrics:
     """Those of `planar`, and of motors, inverters and cells at the instant of the state; voltages in steady state."""
-    return _with_electrics(p, car, c, s, working_memory(STEP))
+    return _with_electrics(p, car, c, s, working_memory(STEP_MEMORY))
 
 
 @compilable
