@@ -3,22 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.wheel_dynamics import wheel_load
 from ev_control.law import BrakeSplitParameters, split
-from ev_control.shared.allocation import motor_range
+from ev_control.shared.allocation import Range, motor_range, within
 from ev_control.shared.torque_split import AssistanceParameters, assistance, torque_difference_per_steering_moment
-from ev_core.law import FRONT_WHEELS_DRIVEN, GRAVITY, Car, compilable, group, method, only_driven, parameter
-from ev_msgs_py.contract.signals import (
-    DriverCommand,
-    InertialMeasurement,
-    SteeringColumnState,
-    TireForces,
-    WheelStates,
-    WheelTorqueRequest,
-)
+from ev_core.law import InertialMeasurement, compilable, group, method, parameter
+from ev_core.vehicle.car import FRONT_WHEELS_DRIVEN, GRAVITY, Car, only_driven
+from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, TireForces, WheelStates, WheelTorqueRequest
 
 FIRSTS = ("steering", "yaw")
 STEERING_FIRST, YAW_FIRST = range(len(FIRSTS))
@@ -67,13 +60,6 @@ class CourseStabilityParameters(AssistanceParameters):
     )  # fmt: skip
     slowest: float = parameter(1.0, unit="m/s", low=0.01, high=10.0, about="speed below which there is no reference")
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
-
-
-class Room(NamedTuple):
-    """Half torque differences that can be had, right minus left; zero is one of them [N m]."""
-
-    least: float
-    most: float
 
 
 @method(
@@ -142,26 +128,23 @@ def yaw_moment(
 @compilable
 def room_of(
     p: CourseStabilityParameters, car: Car, friction: float, share: float, wheels: WheelStates, imu: InertialMeasurement
-) -> Room:
-    """Room beside a share of the drive torque [N m] for each wheel: what motors give and tyres hold along the wheel."""
+) -> Range:
+    """Half torque differences [N m], right minus left, that can be had beside a share of the drive torque of each.
+
+    They are what motors give and tyres hold along the wheel; zero is one of them.
+    """
     along = p.grip_share * friction * car.wheel_radius
     grip_left = along * wheel_load(car, 0, imu.longitudinal_acceleration, imu.lateral_acceleration)
     grip_right = along * wheel_load(car, 1, imu.longitudinal_acceleration, imu.lateral_acceleration)
     left, right = motor_range(car, 0, wheels.velocity[0]), motor_range(car, 1, wheels.velocity[1])
     least = max(max(right.least, -grip_right) - share, share - min(left.most, grip_left))
     most = min(min(right.most, grip_right) - share, share - max(left.least, -grip_left))
-    return Room(min(least, 0.0), max(most, 0.0))
+    return Range(min(least, 0.0), max(most, 0.0))
 
 
 @compilable
-def within(room: Room, half: float) -> float:
-    """Half a difference within the room [N m]."""
-    return min(max(half, room.least), room.most)
-
-
-@compilable
-def left_over(room: Room, taken: float) -> Room:
+def left_over(room: Range, taken: float) -> Range:
     """The share of the room that half a difference [N m] leaves."""
     end = room.most if taken >= 0.0 else room.least
     rest = 1.0 - taken / end if end != 0.0 else 1.0
-    return Room(rest * room.least, rest * room.most)
+    return Range(rest * room.least, rest * room.most)

@@ -11,8 +11,8 @@ from ev_control.estimation.wheel_dynamics import wheel_loads
 from ev_control.law import BrakeSplitParameters, split, split_brake
 from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
-from ev_core.law import WHEEL_NAMES, Car, InertialMeasurement, Vehicle, Wheels, compilable, group, parameter, part
-from ev_core.vehicle.car import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN, each_driven
+from ev_core.law import WHEEL_NAMES, InertialMeasurement, Vehicle, Wheels, compilable, group, parameter, part
+from ev_core.vehicle.car import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN, Car, each_driven
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, TireForces, WheelStates, WheelTorqueRequest
 from ev_msgs_py.refusal import ParameterError
 
@@ -107,16 +107,11 @@ class AdhesionShareState:
     estimate: friction_estimate.FrictionEstimateState = part(friction_estimate.FrictionEstimateState)
 
 
-def begin(p: AdhesionShareParameters) -> AdhesionShareState:
-    """The state that knows nothing of the road."""
-    return AdhesionShareState(friction_estimate.unknown_road(p.estimate))
-
-
 @differential(
     "adhesion_share",
     AdhesionShareParameters,
     state=AdhesionShareState,
-    start=begin,
+    start=lambda p: AdhesionShareState(friction_estimate.unknown_road(p.estimate)),
     needs=(each_driven, free_wheels_for("estimate.reference"), own_motors_to_allocate),
 )
 @compilable

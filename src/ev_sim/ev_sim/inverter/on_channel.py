@@ -49,21 +49,6 @@ def _take_over(layout: frames.SetPointLayout, s: Inverter, payload: int) -> None
 
 
 @compilable
-def begin_cycle(s: Inverter) -> None:
-    """Note for the check that no frame has come since the last cycle."""
-    if s.supervision.heard == 0.0:
-        checking.no_new_data(s.check)
-    s.supervision.heard = 0.0
-
-
-@compilable
-def end_cycle(s: Inverter, period: float) -> None:
-    """What has come gets older by one cycle [s]."""
-    grow_older(s, period)
-    s.command.reset = 0.0
-
-
-@compilable
 def grow_older(s: Inverter, duration: float) -> None:
     """Time [s] has passed without a cycle, as in a process that was held up."""
     s.supervision.age += duration

@@ -71,14 +71,13 @@ class KinematicPlantState:
     guard: GuardState = part(GuardState)
 
 
-def rolling_straight(p: KinematicPlantParameters) -> KinematicPlantState:
-    """The car at its initial speed."""
-    return KinematicPlantState(speed=p.initial_speed)
-
-
-def notes(s: KinematicPlantState) -> tuple[str, ...]:
-    """Commands that were not taken as they came."""
-    return guard_notes(s.guard)
+_SIGNALS = (
+    signals.WheelStates,
+    signals.MotorStates,
+    signals.InertialMeasurement,
+    signals.BodyVelocity,
+    signals.BodyPose,
+)
 
 
 @compilable
@@ -164,16 +163,10 @@ def limits(parameters: KinematicPlantParameters, vehicle: Vehicle, period: float
     KinematicPlantParameters,
     state=KinematicPlantState,
     prepare=limits,
-    start=rolling_straight,
+    start=lambda p: KinematicPlantState(speed=p.initial_speed),
     outputs=outputs,
-    notes=notes,
-    writes=(
-        signals.WheelStates,
-        signals.MotorStates,
-        signals.InertialMeasurement,
-        signals.BodyVelocity,
-        signals.BodyPose,
-    ),
+    notes=lambda s: guard_notes(s.guard),
+    writes=_SIGNALS,
     needs=(equal_motors,),
     heavy=True,
     mirrored=True,

@@ -69,7 +69,10 @@ def find_faults(p: Any, faults: CarFaults, s: PlanarState, period: float) -> Non
     for i in range(4):
         if f.stuck[i] == 0.0:
             f.stuck_torque[i] = s.motor_torque[i]
-    clear(f)
+    f.power = 1.0  # as if nothing were wrong; what is remembered stays
+    for i in range(4):
+        f.share[i], f.flat[i] = 1.0, 0.0
+        f.stuck[i] = f.trips_at[i] = f.delay[i] = f.hall[i] = 0.0
     f.is_struck = 1.0 if len(faults.kind) > 0 else 0.0
     for n in range(len(faults.kind)):
         if not faults.begin[n] <= s.periods < faults.end[n]:
@@ -96,15 +99,6 @@ def find_faults(p: Any, faults: CarFaults, s: PlanarState, period: float) -> Non
     for i in range(4):
         if f.trips_at[i] == 0.0:
             f.tripped[i] = 0.0
-
-
-@compilable
-def clear(f: CarFaultState) -> None:
-    """As if nothing were wrong; what is remembered stays."""
-    f.power = 1.0
-    for i in range(4):
-        f.share[i], f.flat[i] = 1.0, 0.0
-        f.stuck[i] = f.trips_at[i] = f.delay[i] = f.hall[i] = 0.0
 
 
 @compilable

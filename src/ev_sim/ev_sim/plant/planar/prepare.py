@@ -158,8 +158,11 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
     brushless = p.drive in DRIVE_MODELS
     if brushless and not has_equal_motors(vehicle):
         raise ParameterError(f"drive {p.drive} needs equal motors and gears at all driven wheels, and no engine")
+    motor = vehicle.motor
+    if motor.map_file and not brushless:
+        raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
     steps = number_of_steps(p, vehicle, period)
-    motor_torque = p.motor.torque_limit if brushless else vehicle.motor.peak_torque
+    motor_torque = p.motor.torque_limit if brushless else motor.peak_torque
     return PlanarConstants(
         h=period / steps,
         steps=steps,
@@ -170,7 +173,7 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
             capacity=vehicle.battery.capacity * 3600.0,
             voltage=vehicle.battery.open_circuit_voltage,
             resistance=vehicle.battery.resistance,
-            map=EfficiencyMap((), (), ()) if brushless else efficiency_map(vehicle),
+            map=EfficiencyMap(*(((),) * 3 if brushless else (motor.map_speed, motor.map_torque, motor.map_efficiency))),
             electrical=Electrical(),
             gearbox=vehicle.engine.gearbox.ratios,
         ),
@@ -237,14 +240,6 @@ def lags_over(h: float, vehicle: Vehicle) -> Lags:
         clutch=-expm1(-h / vehicle.driveline.clutch_lag),
         heat=-expm1(-h / motor.overload_time),
     )
-
-
-def efficiency_map(vehicle: Vehicle) -> EfficiencyMap:
-    """The map of the motors, empty if there is none."""
-    motor = vehicle.motor
-    if motor.map_file:
-        raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
-    return EfficiencyMap(motor.map_speed, motor.map_torque, motor.map_efficiency)
 
 
 def electrical_over(h: float, vehicle: Vehicle) -> Electrical:
