@@ -29,8 +29,11 @@ AS_RATE, AS_OFFSET, AS_INCREMENT = range(len(CONTROL_READINGS))
 
 
 @dataclass(frozen=True, slots=True)
-class SwitchingControlParameters:
-    """Gains and boundary layer, and what the control changes, which the source's damaged scan leaves open."""
+class SlipTargetParameters:
+    """Target slip ratios, and gains and boundary layer of the control that drives the wheels there.
+
+    What the control changes is left open by the source's damaged scan.
+    """
 
     reading: str = parameter(
         "rate",
@@ -63,30 +66,6 @@ class SwitchingControlParameters:
     largest_correction: float = parameter(
         0.5, unit="1", low=0.0, high=1.0, about="limit of a wheel's change over its share: no torque without the pedal"
     )
-
-
-@compilable
-def corrected(
-    p: SwitchingControlParameters, period: float, correction: float, outer: bool, error: float, limit: float
-) -> float:
-    """The next correction c of a wheel [N m] by its slip error D [1], within the limit [N m].
-
-    s = k sat(D/phi), or k sgn(D) without boundary layer: dc/dt = s (reading rate), c = s (offset), or c grows by s in
-    each control period (increment). Ge & Ni (2005), whose printed k = D/phi drops the gain.
-    """
-    gain = p.k_outer if outer else p.k_inner
-    if p.boundary_layer == 1.0:
-        switched = min(max(error / p.layer_width, -1.0), 1.0)
-    else:
-        switched = copysign(1.0, error) if error != 0.0 else 0.0
-    change = gain * (period if p.reading == AS_RATE else 1.0) * switched
-    return min(max(change if p.reading == AS_OFFSET else correction + change, -limit), limit)
-
-
-@dataclass(frozen=True, slots=True)
-class SlipTargetParameters(SwitchingControlParameters):
-    """Target slip ratios, and the control that drives the wheels there."""
-
     source: str = parameter(
         "truth",
         choices=KNOWN_BY,
@@ -107,6 +86,24 @@ class SlipTargetParameters(SwitchingControlParameters):
     )
     slowest: float = parameter(0.5, unit="m/s", low=0.01, high=10.0, about="least divisor of a slip ratio")
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
+
+
+@compilable
+def corrected(
+    p: SlipTargetParameters, period: float, correction: float, outer: bool, error: float, limit: float
+) -> float:
+    """The next correction c of a wheel [N m] by its slip error D [1], within the limit [N m].
+
+    s = k sat(D/phi), or k sgn(D) without boundary layer: dc/dt = s (reading rate), c = s (offset), or c grows by s in
+    each control period (increment). Ge & Ni (2005), whose printed k = D/phi drops the gain.
+    """
+    gain = p.k_outer if outer else p.k_inner
+    if p.boundary_layer == 1.0:
+        switched = min(max(error / p.layer_width, -1.0), 1.0)
+    else:
+        switched = copysign(1.0, error) if error != 0.0 else 0.0
+    change = gain * (period if p.reading == AS_RATE else 1.0) * switched
+    return min(max(change if p.reading == AS_OFFSET else correction + change, -limit), limit)
 
 
 @dataclass(slots=True)

@@ -13,8 +13,7 @@ from ev_msgs_py.can import drive_states, frames
 from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.frames import SENT, TICK, BenchFrames, DeviceFrames, bench_frames, is_due
 from ev_sim.inverter import on_channel, power_stage
-from ev_sim.inverter.device import Circuit, Inverter
-from ev_sim.inverter.inverter_parameters import CircuitParameters, InverterParameters
+from ev_sim.inverter.device import Circuit, CircuitParameters, Inverter, InverterParameters
 
 _NO_TORQUE = 1.0  # N m, the error of the torque transducer: below it a quick stop is over
 _CODES = tuple(float(fault.code) for fault in frames.FAULTS)

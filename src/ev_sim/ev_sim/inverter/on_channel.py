@@ -6,8 +6,7 @@ from ev_core.bus import checking
 from ev_core.law import compilable, sqrt
 from ev_msgs_py.can import drive_states, frames
 from ev_msgs_py.can.payload import extracted, inserted, last_counter, next_counter
-from ev_sim.inverter.device import Inverter
-from ev_sim.inverter.inverter_parameters import InverterParameters
+from ev_sim.inverter.device import Inverter, InverterParameters
 from ev_sim.inverter.power_stage import coolant_outlet, inverter_temperature, winding_temperature
 
 

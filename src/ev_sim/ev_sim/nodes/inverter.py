@@ -9,8 +9,7 @@ from ev_core.bus.parameters import CIRCUITS
 from ev_core.nodes.bus_nodes import BusNode
 from ev_core.run_role import run_node
 from ev_sim.inverter.circuit_station import CircuitStation
-from ev_sim.inverter.device import inject
-from ev_sim.inverter.inverter_parameters import InverterNodeParameters
+from ev_sim.inverter.device import InverterNodeParameters, inject
 
 
 class InverterNode(BusNode):

@@ -161,6 +161,9 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
     motor = vehicle.motor
     if motor.map_file and not brushless:
         raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
+    efficiency_map = EfficiencyMap(motor.map_speed, motor.map_torque, motor.map_efficiency)
+    if brushless:
+        efficiency_map = EfficiencyMap((), (), ())
     steps = number_of_steps(p, vehicle, period)
     motor_torque = p.motor.torque_limit if brushless else motor.peak_torque
     return PlanarConstants(
@@ -173,7 +176,7 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
             capacity=vehicle.battery.capacity * 3600.0,
             voltage=vehicle.battery.open_circuit_voltage,
             resistance=vehicle.battery.resistance,
-            map=EfficiencyMap(*(((),) * 3 if brushless else (motor.map_speed, motor.map_torque, motor.map_efficiency))),
+            map=efficiency_map,
             electrical=Electrical(),
             gearbox=vehicle.engine.gearbox.ratios,
         ),
