@@ -9,10 +9,9 @@ from typing import NamedTuple
 from ev_core.law import Car, Vehicle, atan2, compilable, entry, exp, group, part, speed_along_path
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_sim.driver import path as paths
-from ev_sim.driver.path_follower import LOOKING_ROUND, HandParameters
+from ev_sim.driver.followers import LOOKING_ROUND, AngleControlState, HandParameters, turn_to_angle
 from ev_sim.driver.pedals import FeetParameters, FeetProfiles, FeetState, driver_method, feet_profiles, work_pedals
 from ev_sim.driver.preview_gains import GAIN_SPEEDS, POINT_STEP, STATES, PreviewGains, PreviewParameters, preview_gains
-from ev_sim.driver.profile_driver import AngleControlState, turn_to_angle
 from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 from ev_sim.profiles.profile import number_until
 
