@@ -13,19 +13,8 @@ import math
 from dataclasses import dataclass
 
 from ev_core.elementary import atan2, copysign, cos, hypot, sin
-from ev_core.law import (
-    GRAVITY,
-    Car,
-    Vehicle,
-    Wheels,
-    compilable,
-    each_wheel,
-    entry,
-    equal_motors,
-    method,
-    part,
-    setting,
-)
+from ev_core.law import GRAVITY, Car, Vehicle, Wheels, compilable, each_wheel, entry, equal_motors, method, part
+from ev_core.parameters.declaration import setting
 from ev_msgs_py.contract import signals
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.brushless_motor import DriveState

@@ -18,7 +18,7 @@ from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.contact import find_road, look, within_friction
 from ev_sim.plant.planar.given import SPEED_FREE, BodyConstants, PlanarParameters, body_constants
 from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE, WHEEL_SPEED, Row, Step
-from ev_sim.plant.planar.prepare import RoadTables, road_tables
+from ev_sim.plant.planar.prepare import road_tables
 from ev_sim.tyres.contact_patch import force_and_rate, slip_rate
 
 

@@ -16,9 +16,8 @@ from ev_sim.plant.guard import accepted, guarded_steering, guarded_torques
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar import shown
 from ev_sim.plant.planar.body import integrate, steer
-from ev_sim.plant.planar.car_faults import deflate, delay_commands, find_faults
 from ev_sim.plant.planar.contact import find_road
-from ev_sim.plant.planar.given import SPEED_IMPOSED, PlanarParameters, load_files
+from ev_sim.plant.planar.given import SPEED_IMPOSED, PlanarParameters, deflate, delay_commands, find_faults, load_files
 from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
 from ev_sim.profiles.profile import value_at

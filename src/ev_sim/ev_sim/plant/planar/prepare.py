@@ -11,8 +11,7 @@ from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
 from ev_sim.drives.brushless_motor import torque_constant
 from ev_sim.drives.drive import DRIVE_MODELS
 from ev_sim.plant.guard import GuardLimits, guard_limits
-from ev_sim.plant.planar.car_faults import CarFaults, car_faults
-from ev_sim.plant.planar.given import BodyConstants, PlanarParameters, body_constants
+from ev_sim.plant.planar.given import BodyConstants, CarFaults, PlanarParameters, body_constants, car_faults
 from ev_sim.profiles.profile import Profile, wanted_speed
 from ev_sim.surfaces import RoadParameters, Segments, TyreOnRoad, left_and_right, tyre_on_road
 
@@ -31,7 +30,7 @@ def longest_step(vehicle: Vehicle) -> float:
     most k tau/m_e if it does not; sliding in the contact only softens that. m_e is the least inertia that a carcass can
     move: the wheel's J/r^2, the car's m/4 and, for its yaw, J_z over four squared levers. ParameterError if the step
     would be below `SHORTEST_STEP`. The converter of an engine asks for none: its stiffness follows the speed, and its
-    torques are taken implicitly where they need it (drives/engine.py).
+    torques are taken implicitly where they need it (drives/driveline.py).
     """
     tyre = vehicle.tyre
     widest = max(vehicle.front_track, vehicle.rear_track)

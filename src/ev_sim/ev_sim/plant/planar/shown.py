@@ -8,16 +8,14 @@ from ev_core.law import Car, InertialMeasurement, ParameterError, asin, compilab
 from ev_msgs_py.contract.optional_signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.contract.signals import BatteryCondition, BodyPose, BodyVelocity, MotorStates, TireForces, WheelStates
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_sim.drives.combustion_engine import begin_engine
-from ev_sim.drives.couplings import shaft_speeds
+from ev_sim.drives.driveline import begin_engine, shaft_speeds
 from ev_sim.drives.electrical_side import coolant_outlet_temperature, current_at_power
 from ev_sim.drives.synchronous_motor import phase_values
 from ev_sim.plant.guard import guard_notes
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.body import loads, rates, steer
-from ev_sim.plant.planar.car_faults import deflate
 from ev_sim.plant.planar.contact import find_road, gravity_at, look, slips, within_friction
-from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.given import PlanarParameters, deflate
 from ev_sim.plant.planar.planar_state import STEP_MEMORY, PlanarState, Step
 from ev_sim.plant.planar.powertrain import drive_loss, source_voltage, terminal_voltage
 from ev_sim.plant.planar.prepare import PlanarConstants, RoadTables
