@@ -29,7 +29,7 @@ from ev_msgs_py.can.frames import DEVICES, SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.payload import checksum, counter_of, next_counter
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.inverter.circuit_station import CircuitStation
-from ev_sim.inverter.inverter_parameters import CircuitParameters
+from ev_sim.inverter.device import CircuitParameters
 
 RPM = math.pi / 30.0
 

@@ -29,8 +29,7 @@ from ev_msgs_py.can.drive_states import (
 from ev_msgs_py.can.frames import bench_frames
 from ev_msgs_py.can.payload import protected
 from ev_sim.inverter.circuit_station import advance_circuit
-from ev_sim.inverter.device import Circuit
-from ev_sim.inverter.inverter_parameters import CircuitParameters
+from ev_sim.inverter.device import Circuit, CircuitParameters
 from ev_sim.inverter.on_channel import receive_set_point
 
 RUN = TORQUE | {"Controlword": float(ENABLE_COMMAND)}
