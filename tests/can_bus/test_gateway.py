@@ -10,7 +10,6 @@ from can_bus.databases import ours
 from ev_control.inverter_gateway.gateway import GatewayParameters
 from ev_control.inverter_gateway.panel import FAULTY, GOOD, SILENT, WARNED, diagnosis
 from ev_control.inverter_gateway.station import GatewayStation
-from ev_core.bus.channel import Frame
 from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import (
     ENABLE_COMMAND,
@@ -25,6 +24,7 @@ from ev_msgs_py.can.drive_states import (
     SWITCH_ON_DISABLED,
     SWITCHED_ON,
 )
+from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import DEVICES, SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.payload import checksum, counter_of, next_counter
 from ev_msgs_py.refusal import ParameterError

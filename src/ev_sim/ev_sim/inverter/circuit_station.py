@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from ev_core.bus import checking
-from ev_core.bus.channel import Frame
 from ev_core.law import compilable
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
 from ev_msgs_py.can import drive_states, frames
 from ev_msgs_py.can.database import Database
+from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import SENT, TICK, BenchFrames, DeviceFrames, bench_frames, is_due
 from ev_sim.inverter import on_channel, power_stage
 from ev_sim.inverter.device import Circuit, CircuitParameters, Inverter, InverterParameters
