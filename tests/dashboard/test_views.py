@@ -106,5 +106,5 @@ def test_the_urdf_has_the_geometry_of_the_vehicle_file(capsys):
 
 
 def test_an_unknown_vehicle_is_one_line():
-    with pytest.raises(SystemExit, match="error: unknown vehicle 'audi'; known: audi_a2"):
+    with pytest.raises(SystemExit, match="error: unknown vehicle 'audi'; did you mean audi_a2"):
         print_urdf(["audi"])
