@@ -138,7 +138,7 @@ def _thermocouple(about: str, place: str) -> Field:
 
 
 class LoadCommand(NamedTuple):
-    """What the virtual car asks of the load machines of a test bench, at the shafts behind the gear."""
+    """What the virtual car, or a constant in its place, asks of the load machines of a test bench, at their shafts."""
 
     mode: Annotated[Wheels, Field("1", "1: the torque is controlled, 2: the speed is", "{wheel}.position")]
     speed: Annotated[Wheels, Field("rad/s", "of the shaft, forwards positive", "{wheel}.velocity")]
