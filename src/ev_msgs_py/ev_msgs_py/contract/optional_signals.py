@@ -196,6 +196,17 @@ class BenchTemperatures(NamedTuple):
     rotor: Annotated[Wheels, _thermocouple("of the machine under test", "{wheel}_rotor.effort")]
 
 
+def _flow(about: str, place: str) -> Field:
+    return Field("l/min", about, place, sensor="bench_coolant_flow", largest=100.0)
+
+
+class BenchCoolant(NamedTuple):
+    """What the flow sensors in the coolant loops of a test bench show; motor and inverter share a loop."""
+
+    flow: Annotated[Wheels, _flow("of the machine under test", "{wheel}_coolant.velocity")]
+    load_flow: Annotated[Wheels, _flow("of the load machine", "{wheel}_load_coolant.velocity")]
+
+
 class BenchEnergy(NamedTuple):
     """Where the energy of a test bench came from and went to since the start, truth without sensors."""
 
