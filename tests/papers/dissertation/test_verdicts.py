@@ -29,6 +29,9 @@ MODEL = [
     ("diss.kf", ("*", "vehicle.rolling_resistance_speed", 5e-7)),
     ("diss.bench.battery", ("*", "vehicle.battery.capacity", 120.0)),
     ("diss.road.share", ("plant", "road.random_probability", (0.5, 0.5))),
+    ("diss.mode.road", ("electronic_differential", "driving_mode", "off_road")),
+    ("diss.mode.off_road", ("electronic_differential", "driving_mode", "road")),
+    ("diss.bench.constant_load", ("plant", "load.follows", "road")),
 ]
 EXPECTED = {"reproduced", "follows from the inputs"}
 SHORT = ("--drivers", "imposed_speed", "--seeds", "1", "--duration", "220")  # the first five windows of traction
@@ -44,6 +47,11 @@ STUDIES = [
 def test_another_parameter_is_noticed(id: str, changed):
     assert verdict_on(id).judgement in EXPECTED
     assert verdict_on(id, changed).judgement == "not reproduced"
+
+
+def test_without_cooling_no_flow_is_measured():
+    assert verdict_on("diss.bench.flow").judgement == "in part"
+    assert verdict_on("diss.bench.flow", ("test_bench", "cooling", False)).judgement == "not reproduced"
 
 
 @pytest.mark.parametrize(
