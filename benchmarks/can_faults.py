@@ -30,8 +30,7 @@ from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
 from ev_msgs_py.can.frames import DRIVES, TORQUE_MODE
 from ev_sim.inverter.circuit_station import CircuitStation
-from ev_sim.inverter.device import Injected, Inverter
-from ev_sim.inverter.device import CircuitParameters
+from ev_sim.inverter.device import CircuitParameters, Injected, Inverter
 
 CYCLE = 1  # ms
 TIMEOUT = 10  # ms, of set-points and of feedback
