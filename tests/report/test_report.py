@@ -14,8 +14,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_papers.shchur2019 import paper
 from ev_papers.shchur2019.step_response import step_response
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, Reference, metric, within
-from ev_sim.measures.samples import mean_between
+from ev_sim.measures.metric import Metric, NotMeasured, Reference, mean_between, metric, within
 from ev_sim.recording import recording as recordings
 from ev_sim.recording.recording import Recording, combined_hash, signal_hash
 from ev_sim.report.reports import report_for

@@ -17,12 +17,9 @@ from ev_core.vehicle.description import Vehicle
 from ev_papers.ge_ni2005 import paper
 from ev_papers.ge_ni2005.measures import BASELINE
 from ev_papers.ge_ni2005.quantities import QUANTITIES, SIDES, ground_speed, rim_speed, slip
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, Panel, level, panel
+from ev_sim.figures.drawing import Curve, Figure, Panel, level, panel, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, metric
-from ev_sim.measures.samples import Parameters, Runs, channel, run_named
+from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.check import Check, Template
 from ev_sim.verdicts.need import ScenarioRuns

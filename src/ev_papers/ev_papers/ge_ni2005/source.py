@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from ev_papers.ge_ni2005 import measures, report
 from ev_papers.ge_ni2005.measures import BASELINE
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
+from ev_sim.figures.drawing import Figure, sheet
 from ev_sim.verdicts.check import measures_of
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_sim.verdicts.panels_page import WIDTH, PublishedPanel, cannot_be_drawn

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from ev_papers.ge_ni2005.quantities import QUANTITIES, SIDES, slip
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import Metric, channel
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results, metrics_of_cases, rows_of_cases

@@ -10,8 +10,7 @@ import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.measures import handling, motion
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import Metric, channel
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results, metrics_of_cases, rows_of_cases

@@ -12,12 +12,9 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.shchur2019 import paper
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, Panel, panel
+from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.samples import Parameters, Runs, channel, run_named
+from ev_sim.measures.metric import Metric, Parameters, Runs, channel, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.verdict import metrics_at_hand

@@ -14,20 +14,17 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_papers.tatar_chudzik.measures import CONTROLS, CORRECTED, EQUAL, LAYOUTS
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, Panel, panel
+from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.car_axes import tyre_force
-from ev_sim.measures.metric import Metric, NotMeasured, metric
-from ev_sim.measures.passing_speed import (
+from ev_sim.measures.handling import (
     energy_since_turning_in,
     time_since_turning_in,
     total_force,
     turning_in,
+    tyre_force,
     when_passing,
 )
-from ev_sim.measures.samples import Parameters, Runs, channel, run_named
+from ev_sim.measures.metric import Metric, NotMeasured, Parameters, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.verdict import metrics_at_hand

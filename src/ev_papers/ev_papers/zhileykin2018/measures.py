@@ -32,9 +32,8 @@ from ev_papers.zhileykin2018.grid import REAR_DRIVE
 from ev_papers.zhileykin2018.quantities import LIMIT, NOMINAL, SHARES, SWING
 from ev_sim.analysis.linear_models import SideSlipModel, side_slip_model
 from ev_sim.measures import handling, motion
-from ev_sim.measures.metric import NotMeasured
+from ev_sim.measures.metric import NotMeasured, channel, run_named
 from ev_sim.measures.motion import ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE, moving
-from ev_sim.measures.samples import channel, run_named
 from ev_sim.verdicts.need import ScenarioRuns, StudyCases
 
 STEERED = 3.0  # [s], the end of the third second, in which the steering wheel is turned

@@ -11,8 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.recording.recording import Recording
 
 LIMIT = math.radians(15.0)  # sideslip angle beyond which the rear axle has slid out [rad]; assumed, the source has none

@@ -11,14 +11,11 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.zhileykin2018.quantities import LIMIT, SHARES, SWING, turn_arounds
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, Panel, motion_panels, over_time
-from ev_sim.figures.plan_view import plan_view
+from ev_sim.figures.drawing import Curve, Figure, Panel, motion_panels, over_time, sheet
+from ev_sim.figures.other_axes import plan_view
 from ev_sim.measures import motion
 from ev_sim.measures.handling import peak_sideslip
-from ev_sim.measures.metric import Metric, metric
-from ev_sim.measures.samples import Parameters, Runs, channel, run_named
+from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.verdict import metrics_at_hand

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ev_papers.zhileykin2018 import measures
 from ev_papers.zhileykin2018.grid import BY_LAW, REAR_DRIVE
 from ev_papers.zhileykin2018.report import panels, track
-from ev_sim.figures.plan_view import plan_view
+from ev_sim.figures.other_axes import plan_view
 from ev_sim.verdicts.check import measures_of
 from ev_sim.verdicts.need import ScenarioNeed
 from ev_sim.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time

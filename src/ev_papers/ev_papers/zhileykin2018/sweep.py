@@ -11,8 +11,8 @@ import numpy as np
 from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018.grid import ANGLES, FIXED, FORCES, REAR_DRIVE, SWEPT
 from ev_papers.zhileykin2018.quantities import LIMIT, SHARES
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.over_values import HeatMap, heat_maps
+from ev_sim.figures.drawing import Figure
+from ev_sim.figures.other_axes import HeatMap, heat_maps
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.report.tables import text_table
 from ev_sim.study.study import Case, Results

@@ -19,8 +19,7 @@ from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_sim.analysis.linear_models import SideSlipModel
-from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
-from ev_sim.figures.figure import Figure, new_figure
+from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE, Figure, new_figure
 from ev_sim.plant.planar.body import Equations
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, INTEGRATED_SIZE, VX, VY, YAW_RATE, index

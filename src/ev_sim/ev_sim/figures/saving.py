@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ev_sim.figures.figure import Axes, Figure
+from ev_sim.figures.drawing import Axes, Figure
 from ev_sim.recording.recording import atomic_file
 
 WIDTH = 3.5  # of a column [inch]

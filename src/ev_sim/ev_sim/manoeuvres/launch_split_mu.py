@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.figures.figure import Figure
+from ev_sim.figures.drawing import Figure
 from ev_sim.manoeuvres.split_friction import split_friction_figures
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, metric
-from ev_sim.measures.samples import Runs, channel
+from ev_sim.measures.metric import Metric, NotMeasured, Runs, channel, metric
 from ev_sim.recording.recording import Recording
 
 LAUNCH_SPEED = 5.0  # [m/s], the launch is timed up to it

@@ -11,12 +11,9 @@ import numpy as np
 from ev_core.methods.register import offered, offered_module
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, Panel, panel
-from ev_sim.measures import can_bus, motion
-from ev_sim.measures.metric import Metric, metric
-from ev_sim.measures.samples import Parameters, Runs, channel
+from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
+from ev_sim.measures import motion
+from ev_sim.measures.metric import Metric, Parameters, Runs, bus_metrics, channel, metric
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.about import REPORTS
 
@@ -71,7 +68,7 @@ def _metrics(run: Recording) -> dict[str, Metric]:
         "maximum_speed": metric(lambda: motion.speed(run).max(), "m/s"),
         "maximum_total_drive_torque": metric(lambda: np.abs(motion.total_drive_torque(run)).max(), "N m"),
         "maximum_road_wheel_angle": metric(lambda: np.abs(channel(run, motion.ROAD_WHEEL_ANGLE)).max(), "rad"),
-        **can_bus.metrics(run),
+        **bus_metrics(run),
     }
 
 

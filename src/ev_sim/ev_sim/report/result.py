@@ -14,11 +14,10 @@ from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.figures.figure import Figure
+from ev_sim.figures.drawing import Figure
+from ev_sim.figures.other_axes import timing_sheet
 from ev_sim.figures.saving import figure_files, save_figures
-from ev_sim.figures.timing import timing_sheet
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.samples import Parameters, Runs, own_metrics
+from ev_sim.measures.metric import Metric, Parameters, Runs, own_metrics
 from ev_sim.recording.offline import true_motion
 from ev_sim.recording.outcome import Outcome
 from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SIGNALS, SUMMARY, Recording, combined_hash, save, signal_hash

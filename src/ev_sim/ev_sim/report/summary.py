@@ -14,8 +14,7 @@ from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.parameters.declaration import flatten
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import ROLES
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.samples import Parameters, Runs
+from ev_sim.measures.metric import Metric, Parameters, Runs
 from ev_sim.recording.recording import atomic_file, combined_hash, signal_hash
 from ev_sim.scenarios.scenario import Run, Scenario
 

@@ -16,13 +16,10 @@ from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.driver.path import nearest, path_of, point_at
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, Panel
+from ev_sim.figures.drawing import Curve, Figure, Panel, sheet
 from ev_sim.measures.handling import slip_powers
-from ev_sim.measures.metric import Metric, metric
+from ev_sim.measures.metric import Metric, channel, metric
 from ev_sim.measures.motion import crossing_time, distance_on_path, heading, speed
-from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results, own_methods

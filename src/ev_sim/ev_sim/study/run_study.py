@@ -14,7 +14,7 @@ from typing import Any
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
 from ev_sim.command_line.options import add_outputs, add_overrides, command_of, overrides
 from ev_sim.command_line.refusal import Parser
-from ev_sim.figures.figure import Figure
+from ev_sim.figures.drawing import Figure
 from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.outcome import RunFailed, bar_of_runs

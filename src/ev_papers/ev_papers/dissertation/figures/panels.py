@@ -10,16 +10,14 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.dissertation.figures.slip_curve import slip_curve_figure
-from ev_papers.dissertation.figures.urban_cycle import cycle_figure
 from ev_papers.dissertation.figures.urban_mixed import OF_A_CIRCUIT, electrical, over_friction, wheel_efficiency
-from ev_papers.dissertation.figures.urban_sheets import sheet_over_cycle
+from ev_papers.dissertation.figures.urban_sheets import cycle_figure, sheet_over_cycle
 from ev_papers.dissertation.measures.urban_cases import BENCH, FIVE, METHODS, SCENARIO, case
 from ev_sim.drives.electrical_side import loss_power
 from ev_sim.drives.synchronous_motor import voltage_limited_torque
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.over_values import contours
-from ev_sim.figures.panels import Curve, Panel, panel
-from ev_sim.measures.samples import channel
+from ev_sim.figures.drawing import Curve, Figure, Panel, panel
+from ev_sim.figures.other_axes import contours
+from ev_sim.measures.metric import channel
 from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns

@@ -6,11 +6,9 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.dissertation.measures.slip_curve import SlipCurve, first_passed_peak, slip_and_road_torque
-from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
-from ev_sim.figures.figure import Axes, Figure, new_figure
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.samples import channel
-from ev_sim.measures.surfaces_under import surfaces_under
+from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE, Axes, Figure, new_figure
+from ev_sim.measures.handling import surfaces_under
+from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.recording.recording import Recording
 from ev_sim.surfaces import curve_on_road
 from ev_sim.tyres.curve import FRICTION_CURVES, friction

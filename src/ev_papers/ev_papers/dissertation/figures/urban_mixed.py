@@ -19,12 +19,9 @@ from ev_papers.dissertation.figures.urban_sheets import (
 )
 from ev_papers.dissertation.measures.circuits import CircuitShares, circuit_shares
 from ev_papers.dissertation.measures.traction_windows import traction
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Axes, Figure
-from ev_sim.figures.panels import Curve, Panel, panel
+from ev_sim.figures.drawing import Axes, Curve, Figure, Panel, panel, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.recording.recording import Recording
 
 DETAIL = 15.0  # [s], length of the figure in which single pulses can be seen

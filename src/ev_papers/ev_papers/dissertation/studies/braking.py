@@ -12,8 +12,7 @@ import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, metric
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import Metric, channel, metric
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results

@@ -10,8 +10,7 @@ from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, SIDES, case_name, roads
 from ev_papers.dissertation.studies import printed as printed
 from ev_papers.dissertation.studies.printed import gains
-from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
-from ev_sim.figures.figure import Figure, new_figure
+from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE, Figure, new_figure
 from ev_sim.measures.metric import Metric, mean_over_seeds
 from ev_sim.profiles.profile import LISTED
 from ev_sim.study.study import Case, Results
