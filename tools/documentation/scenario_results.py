@@ -52,7 +52,9 @@ def sums_table(name: str, results: Results, *options: str) -> str:
     """What the rows of a study add up to; empty if it sums nothing up."""
     study, given = study_named(name), arguments(name, options)
     found = study.metrics(given, results).items()
-    sums = [(code(key), _number(metric), metric.unit) for key, metric in found if key.startswith(study.SUMS)]
+    sums = [
+        (code(key), _number(metric), metric.unit) for key, metric in found if key.startswith(getattr(study, "SUMS", ()))
+    ]
     return table(("metric", "value", "unit"), sums) if sums else ""
 
 

@@ -18,15 +18,10 @@ PERIODS = (0.0005, 0.001, 0.005, 0.01)  # [s]
 RUNS = ("increment", "offset_lower_target")  # those whose slips come to their target
 COLUMNS = ("control period [ms]", *(f"chatter of `{run}` [N m/s]" for run in RUNS))
 LEFT = 0
-SUMS = ()
-
-
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """There are none: the periods are those of the page docs/ge_ni2005.md."""
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """Every run at every period."""
+    """Every run at every period, as on the page docs/ge_ni2005.md."""
     return [
         Case(name_of(run, period), SCENARIO, (("*", "control_period", period),), run)
         for period in PERIODS

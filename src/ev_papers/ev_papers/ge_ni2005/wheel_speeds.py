@@ -19,7 +19,6 @@ SCENARIO = "ge_ni2005"
 UNITS = {"yaw_rate": "rad/s", "aside": "m", "slip_left": "1", "slip_right": "1", "peak_slip": "1", "chatter": "N m/s"}
 COLUMNS = ("run", "control", *(f"{name} [{unit}]" for name, unit in UNITS.items()))
 LEFT = 2
-SUMS = ()
 
 _LAW = "electronic_differential"
 _SPEEDS = (_LAW, "method", "wheel_speed")
@@ -61,12 +60,8 @@ _RUNS: dict[str, tuple[str, tuple]] = {
 }
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """There are none: the cases are those of the page docs/ge_ni2005.md."""
-
-
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """Every control in every run."""
+    """Every control in every run, as on the page docs/ge_ni2005.md."""
     return [
         Case(f"{name}: {control}", SCENARIO, (*changed, *values), run)
         for name, (run, changed) in _RUNS.items()
@@ -94,4 +89,4 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 def rows(given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
     """One row for each case."""
-    return rows_of_cases(results, UNITS)
+    return rows_of_cases(results, dict.fromkeys(UNITS, ".3g"))

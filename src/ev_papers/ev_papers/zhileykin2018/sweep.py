@@ -12,7 +12,7 @@ from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018.grid import ANGLES, FIXED, FORCES, REAR_DRIVE, SWEPT
 from ev_papers.zhileykin2018.quantities import LIMIT, SHARES
 from ev_sim.figures.drawing import Figure
-from ev_sim.figures.other_axes import HeatMap, heat_maps
+from ev_sim.figures.other_axes import heat_maps
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.report.tables import text_table
 from ev_sim.study.study import Case, Results
@@ -78,7 +78,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """A map of the largest sideslip angle for each control."""
-    maps = [HeatMap(control.replace("_", " "), np.degrees(grid.of_all(results, control))) for control in SWEPT]
+    maps = {control.replace("_", " "): np.degrees(grid.of_all(results, control)) for control in SWEPT}
     return {
         "who_spins": heat_maps(
             maps,

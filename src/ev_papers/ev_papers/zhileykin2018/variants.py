@@ -14,7 +14,6 @@ from ev_sim.study.study import Case, Results
 
 ABOUT = "Zhileykin 2018: the sweep with other tyres, cars and readings of the source, where the law holds"
 COLUMNS = ("variant", "rear drive spins in", *(f"{name} holds" for name in CONTROLS if name != REAR_DRIVE))
-SUMS = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +58,8 @@ VARIANTS = (
 )
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """There are none: the variants are those of the page docs/zhileykin2018.md."""
-
-
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """The whole grid for every variant."""
+    """The whole grid for every variant, as on the page docs/zhileykin2018.md."""
     return [case for each in VARIANTS for case in grid.cases_of(each.controls, each.values, each.name)]
 
 

@@ -143,6 +143,30 @@ BAND = "band: lowest to highest, line: mean"
 LEGEND_COLUMNS, LEGEND_ROW = 5, 0.17  # of that legend, the height of a row in [inch]
 
 
+def name_axes(
+    axes: Axes,
+    title: str,
+    xlabel: str = "",
+    ylabel: str = "",
+    *,
+    ticks: float = 2.5,
+    grid: str = "both",
+    pad: float = 3.0,
+) -> None:
+    """Title and labels in the letters of all figures, and no frame at the top and on the right.
+
+    `ticks`: how long they are [pt]; `grid`: of which axis there are lines, both, x or y, empty for none; `pad`: between
+    title and axes [pt].
+    """
+    axes.set_title(title, loc="left", fontsize=TITLE_SIZE, pad=pad)
+    axes.set_xlabel(xlabel, fontsize=TEXT_SIZE)
+    axes.set_ylabel(ylabel, fontsize=TEXT_SIZE)
+    axes.tick_params(labelsize=TEXT_SIZE, length=ticks)
+    if grid:
+        axes.grid(True, axis=grid, color="0.88", linewidth=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
 def sheet(
     panels: Sequence[Panel], xlabel: str, columns: int = 2, start: float | None = None, panel_width: float = PANEL_WIDTH
 ) -> Figure:
@@ -221,13 +245,9 @@ def _draw(axes: Axes, panel: Panel, width: float, span: tuple[float, float] | No
         label = "_" if named else curve.label
         axes.plot(curve.time, curve.values, color="black", linestyle=DOTTED, linewidth=1.6, zorder=3, label=label)
         named = True
-    axes.set_title(panel.title, loc="left", fontsize=TITLE_SIZE, pad=3)
-    axes.set_ylabel(panel.ylabel, fontsize=TEXT_SIZE)
+    name_axes(axes, panel.title, ylabel=panel.ylabel)
     axes.yaxis.set_label_coords(-0.5 / (width - 0.85), 0.5)  # in line with the panels above and below
-    axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
     axes.locator_params(nbins=6)
-    axes.grid(True, color="0.88", linewidth=0.6)
-    axes.spines[["top", "right"]].set_visible(False)
     if panel.note:
         axes.text(0.5, 0.5, panel.note, transform=axes.transAxes, ha="center", fontsize=TEXT_SIZE, color="0.4")
     own_legend = any(curve.label for curve in panel.curves) and _legend_fits(panel, width)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from ev_sim.figures.drawing import (
     Axes,
     Curve,
     Figure,
+    name_axes,
     new_figure,
 )
 
@@ -30,51 +30,35 @@ def contours(
     axes = figure.add_subplot()
     lines = axes.contour(x[1], y[1], values, levels=levels, cmap="viridis", linewidths=1.0)
     axes.clabel(lines, fontsize=TEXT_SIZE - 1)
-    axes.set_title(title, loc="left", fontsize=TITLE_SIZE, pad=3)
-    axes.set_xlabel(x[0], fontsize=TEXT_SIZE)
-    axes.set_ylabel(y[0], fontsize=TEXT_SIZE)
-    axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
-    axes.grid(True, color="0.88", linewidth=0.6)
-    axes.spines[["top", "right"]].set_visible(False)
+    name_axes(axes, title, x[0], y[0])
     return figure
 
 
-WIDTH, HEIGHT = 4.6, 2.5  # of a panel with its labels [inch]
-FINE, BEYOND = "#CFE3F0", "#E8A27C"  # below and from the limit on; the number in the cell says how far
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class HeatMap:
-    """Values (rows, columns) under a title."""
-
-    title: str
-    values: np.ndarray
+_WIDTH, _HEIGHT = 4.6, 2.5  # of a panel with its labels [inch]
+_FINE, _BEYOND = "#CFE3F0", "#E8A27C"  # below and from the limit on; the number in the cell says how far
 
 
 def heat_maps(
-    maps: Sequence[HeatMap],
+    maps: Mapping[str, np.ndarray],
     columns: tuple[str, Sequence[str]],
     rows: tuple[str, Sequence[str]],
     quantity: str,
     limit: float,
 ) -> Figure:
-    """A figure of maps, two abreast, with label and ticks of columns and rows; cells from the limit on stand out."""
-    lines = -(-len(maps) // 2)
-    figure = new_figure(2 * WIDTH, lines * HEIGHT, layout="constrained")
-    for number, heat_map in enumerate(maps):
-        axes = figure.add_subplot(lines, 2, number + 1)
-        values = heat_map.values
+    """A figure of maps, two abreast, of values (rows, columns) by their title; cells from the limit on stand out.
+
+    `columns` and `rows` are label and ticks.
+    """
+    figure, panels = _panels(len(maps))
+    for axes, (title, values) in zip(panels, maps.items(), strict=True):
         axes.pcolormesh((values >= limit).astype(float), cmap=_colours(), vmin=0.0, vmax=1.0, edgecolors="white")
         for row, column in np.ndindex(values.shape):
             axes.text(
                 column + 0.5, row + 0.5, f"{values[row, column]:.1f}", ha="center", va="center", fontsize=TEXT_SIZE - 1
             )
-        axes.set_title(f"{heat_map.title}: {quantity}", loc="left", fontsize=TITLE_SIZE, pad=3)
         axes.set_xticks(np.arange(len(columns[1])) + 0.5, columns[1])
         axes.set_yticks(np.arange(len(rows[1])) + 0.5, rows[1])
-        axes.set_xlabel(columns[0], fontsize=TEXT_SIZE)
-        axes.set_ylabel(rows[0], fontsize=TEXT_SIZE)
-        axes.tick_params(labelsize=TEXT_SIZE, length=0.0)
+        name_axes(axes, f"{title}: {quantity}", columns[0], rows[0], ticks=0.0, grid="")
         axes.spines[:].set_visible(False)
     return figure
 
@@ -82,7 +66,7 @@ def heat_maps(
 def _colours():
     from matplotlib.colors import ListedColormap
 
-    return ListedColormap([FINE, BEYOND])
+    return ListedColormap([_FINE, _BEYOND])
 
 
 def lines_with_bands(xlabel: str, x: np.ndarray, metrics: Sequence[tuple[str, np.ndarray]]) -> Figure:
@@ -113,7 +97,7 @@ def maps(xlabel: str, x: np.ndarray, ylabel: str, y: np.ndarray, metrics: Sequen
 
 def _panels(count: int):
     lines = -(-count // 2)
-    figure = new_figure(2 * WIDTH, lines * HEIGHT, layout="constrained")
+    figure = new_figure(2 * _WIDTH, lines * _HEIGHT, layout="constrained")
     return figure, [figure.add_subplot(lines, 2, number + 1) for number in range(count)]
 
 
@@ -124,11 +108,11 @@ def _label(axes, title: str, xlabel: str, ylabel: str) -> None:
     axes.tick_params(labelsize=TEXT_SIZE)
 
 
-PLAN_WIDTH = 9.2  # of the figure, and of the margins around what is drawn [inch]
-LEFT, RIGHT, BOTTOM, ABOVE = 0.7, 0.15, 0.48, 0.32
-LOWEST, HIGHEST = 1.3, 5.5  # of what is drawn [inch]
-LEGEND_COLUMNS, LEGEND_ROW = 6, 0.2  # entries abreast, and the height of a row [inch]
-MAGNIFIED = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # times that a narrow course is drawn across
+_ACROSS = 9.2  # of the figure, and of the margins around what is drawn [inch]
+_LEFT, _RIGHT, _BOTTOM, _ABOVE = 0.7, 0.15, 0.48, 0.32
+_LOWEST, _HIGHEST = 1.3, 5.5  # of what is drawn [inch]
+_ABREAST, _ROW = 6, 0.2  # entries abreast, and the height of a row [inch]
+_MAGNIFIED = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # times that a narrow course is drawn across
 
 
 def plan_view(
@@ -139,7 +123,7 @@ def plan_view(
     A course that would be too narrow to be seen is drawn larger across, and its title says how much. `cones` (n, 2)
     [m] are drawn as rings, filled where `hit` (n,) says so.
     """
-    figure = new_figure(PLAN_WIDTH, PLAN_WIDTH)  # until it is known what is drawn
+    figure = new_figure(_ACROSS, _ACROSS)  # until it is known what is drawn
     axes = figure.add_subplot()
     for number, track in enumerate(tracks):
         colour, dashes = STROKES[number % len(STROKES)]
@@ -149,17 +133,12 @@ def plan_view(
         axes.plot(*cones[~hit].T, "o", mfc="none", mec="0.4", ms=4.0, label="cones")
         if hit.any():
             axes.plot(*cones[hit].T, "o", color="#D55E00", ms=5.0, label="cones hit")
-    rows = -(-len(axes.get_legend_handles_labels()[1]) // LEGEND_COLUMNS)
+    rows = -(-len(axes.get_legend_handles_labels()[1]) // _ABREAST)
     times = _arrange(figure, rows)
     across = f", across {times} times as large as along" if times > 1 else ""
-    axes.set_title(title + across, loc="left", fontsize=TITLE_SIZE, pad=3)
-    axes.set_xlabel("x [m]", fontsize=TEXT_SIZE)
-    axes.set_ylabel("y [m]", fontsize=TEXT_SIZE)
-    axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
-    axes.grid(True, color="0.88", linewidth=0.6)
-    axes.spines[["top", "right"]].set_visible(False)
+    name_axes(axes, title + across, "x [m]", "y [m]")
     if rows:
-        figure.legend(loc="upper center", ncols=LEGEND_COLUMNS, fontsize=TEXT_SIZE, frameon=False)
+        figure.legend(loc="upper center", ncols=_ABREAST, fontsize=TEXT_SIZE, frameon=False)
     return figure
 
 
@@ -168,20 +147,20 @@ def _arrange(figure: Figure, rows: int) -> int:
     (axes,) = figure.axes
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     ratio = (high - low) / (right - left)
-    width = PLAN_WIDTH - LEFT - RIGHT
-    times = next((each for each in MAGNIFIED if ratio * width * each >= LOWEST), MAGNIFIED[-1])
-    height = min(ratio * width * times, HIGHEST)
-    above = ABOVE + LEGEND_ROW * rows
-    total = height + BOTTOM + above
-    figure.set_size_inches(PLAN_WIDTH, total)
+    width = _ACROSS - _LEFT - _RIGHT
+    times = next((each for each in _MAGNIFIED if ratio * width * each >= _LOWEST), _MAGNIFIED[-1])
+    height = min(ratio * width * times, _HIGHEST)
+    above = _ABOVE + _ROW * rows
+    total = height + _BOTTOM + above
+    figure.set_size_inches(_ACROSS, total)
     figure.subplots_adjust(
-        left=LEFT / PLAN_WIDTH, right=1 - RIGHT / PLAN_WIDTH, bottom=BOTTOM / total, top=1 - above / total
+        left=_LEFT / _ACROSS, right=1 - _RIGHT / _ACROSS, bottom=_BOTTOM / total, top=1 - above / total
     )  # fmt: skip
-    axes.set_aspect(times, adjustable="datalim" if height == HIGHEST else "box")
+    axes.set_aspect(times, adjustable="datalim" if height == _HIGHEST else "box")
     return times
 
 
-Panel = tuple[str, Mapping[str, Mapping[str, Any]]]  # title, and histograms by label
+Histograms = tuple[str, Mapping[str, Mapping[str, Any]]]  # title, and histograms by label
 
 
 def timing_sheet(timings: Mapping[str, Mapping[str, Any]]) -> Figure:
@@ -196,7 +175,7 @@ def timing_sheet(timings: Mapping[str, Mapping[str, Any]]) -> Figure:
     )
 
 
-def histogram_sheet(columns: Iterable[Sequence[Panel]]) -> Figure:
+def histogram_sheet(columns: Iterable[Sequence[Histograms]]) -> Figure:
     """Columns of panels of times, counted in bins (`master/real_time.py`)."""
     panels = list(columns)
     rows = max(map(len, panels))

@@ -42,7 +42,7 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
     add_overrides(parser)
     add_outputs(parser)
-    study.add_options(parser)
+    getattr(study, "add_options", lambda parser: None)(parser)
     return parser.parse_args(argv)
 
 

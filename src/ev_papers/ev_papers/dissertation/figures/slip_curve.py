@@ -6,7 +6,7 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.dissertation.measures.slip_curve import SlipCurve, first_passed_peak, slip_and_road_torque
-from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE, Axes, Figure, new_figure
+from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE, Axes, Figure, name_axes, new_figure
 from ev_sim.measures.handling import surfaces_under
 from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.recording.recording import Recording
@@ -22,11 +22,8 @@ def slip_curve_figure(run: Recording, vehicle: Vehicle) -> Figure:
     figure = new_figure(6.4, 4.2)
     figure.subplots_adjust(left=0.11, right=0.98, bottom=0.12, top=0.92)
     axes = figure.add_subplot()
-    axes.set_title("Slip curve by least squares", loc="left", fontsize=TITLE_SIZE)
-    axes.set_xlabel("slip x = 1 - w_free/w [1]", fontsize=TEXT_SIZE)
-    axes.set_ylabel("road torque y = (M - J w')/M_nom [1]", fontsize=TEXT_SIZE)
-    axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
-    axes.spines[["top", "right"]].set_visible(False)
+    labels = "slip x = 1 - w_free/w [1]", "road torque y = (M - J w')/M_nom [1]"
+    name_axes(axes, "Slip curve by least squares", *labels, grid="", pad=6.0)
     try:
         wheel = _left_wheel(vehicle)
         axes.set_title(f"Slip curve by least squares, {wheel.replace('_', ' ')} wheel", loc="left", fontsize=TITLE_SIZE)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from ev_papers.dissertation.figures.urban_sheets import (
     both_sides,
     each_side,
     left_and_right,
+    recorded,
     sheet_over_cycle,
     thin_sheet,
 )
@@ -41,33 +42,28 @@ def panels(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[
     """
     on_bench = any(name.startswith("bench.shafts.") for name in run.channels)
 
-    def sides(title: str, ylabel: str, curve: Callable[[str], Curve]) -> list[Panel]:
-        return [
-            panel(f"{title}, {wheel.replace('_', ' ')}", ylabel, lambda wheel=wheel: [curve(wheel)])
-            for wheel in left_and_right(vehicle)
-        ]
+    def shown_by(title: str, ylabel: str, quantity: str) -> list[Panel]:
+        return recorded(run, vehicle, title, ylabel, (quantity, ""))
 
-    def recorded(title: str, ylabel: str, quantity: str) -> list[Panel]:
-        return each_side(run, vehicle, title, ylabel, quantity)
-
-    efficiency = sides(
+    efficiency = each_side(
+        vehicle,
         "Drive efficiency in the traction windows since the start",
         "efficiency [1]",
         lambda wheel: _drive_efficiency(run, vehicle, driver, wheel),
     )
     if on_bench:
         shown = (
-            recorded("Torque at the transducer", "torque [N m]", "bench.shafts.torque"),
-            recorded("Speed at the transducer", "speed [rad/s]", "bench.shafts.speed"),
-            recorded("Current of the machine under test", "current [A]", "bench.electrical.current"),
-            recorded("Voltage of the machine under test", "voltage [V]", "bench.electrical.voltage"),
+            shown_by("Torque at the transducer", "torque [N m]", "bench.shafts.torque"),
+            shown_by("Speed at the transducer", "speed [rad/s]", "bench.shafts.speed"),
+            shown_by("Current of the machine under test", "current [A]", "bench.electrical.current"),
+            shown_by("Voltage of the machine under test", "voltage [V]", "bench.electrical.voltage"),
         )
     else:
         shown = (
-            recorded("Motor torque", "torque [N m]", "motor_states.effort"),
-            recorded("Motor speed", "speed [rad/s]", "motor_states.velocity"),
-            sides("Current of the motor's circuit", "current [A]", lambda wheel: _current(run, vehicle, wheel)),
-            sides("Voltage", "voltage [V]", lambda wheel: Curve(run.time, channel(run, "battery.voltage"))),
+            shown_by("Motor torque", "torque [N m]", "motor_states.effort"),
+            shown_by("Motor speed", "speed [rad/s]", "motor_states.velocity"),
+            each_side(vehicle, "Current of the motor's circuit", "current [A]", lambda of: _current(run, vehicle, of)),
+            each_side(vehicle, "Voltage", "voltage [V]", lambda of: Curve(run.time, channel(run, "battery.voltage"))),
         )
     return dict(zip(OF_A_CIRCUIT, (*shown, efficiency), strict=True))
 

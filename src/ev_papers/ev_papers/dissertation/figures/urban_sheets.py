@@ -102,16 +102,25 @@ def left_and_right(vehicle: Vehicle) -> tuple[str, ...]:
     return vehicle.driven_wheels[:2] if len(vehicle.driven_wheels) > 1 else ("front_left", "front_right")
 
 
-def each_side(run: Recording, vehicle: Vehicle, title: str, ylabel: str, quantity: str) -> list[Panel]:
-    """A panel for each side: pulses would hide each other."""
+def each_side(vehicle: Vehicle, title: str, ylabel: str, *curves: Callable[[str], Curve]) -> list[Panel]:
+    """A panel for the wheel of each side: pulses would hide each other."""
     return [
-        panel(
-            f"{title}, {wheel.replace('_', ' ')}",
-            ylabel,
-            lambda wheel=wheel: [Curve(run.time, channel(run, f"{quantity}.{wheel}"))],
-        )
+        panel(f"{title}, {wheel.replace('_', ' ')}", ylabel, lambda wheel=wheel: [curve(wheel) for curve in curves])
         for wheel in left_and_right(vehicle)
     ]
+
+
+def recorded(run: Recording, vehicle: Vehicle, title: str, ylabel: str, *quantities: tuple[str, str]) -> list[Panel]:
+    """Such panels of recorded quantities and their labels."""
+    return each_side(
+        vehicle,
+        title,
+        ylabel,
+        *(
+            lambda at, name=name, label=label: Curve(run.time, channel(run, f"{name}.{at}"), label)
+            for name, label in quantities
+        ),
+    )
 
 
 def both_sides(run: Recording, vehicle: Vehicle, quantity: str) -> list[Curve]:
@@ -198,9 +207,9 @@ def motors_and_cells(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]
 
     return sheet_over_cycle(
         [
-            *each_side(run, vehicle, "Phase current, rms", "current [A]", "motor_electrics.current"),
-            *each_side(run, vehicle, "Phase voltage, rms", "voltage [V]", "motor_electrics.voltage"),
-            *each_side(run, vehicle, "Power from the DC link", "power [W]", "motor_electrics.power"),
+            *recorded(run, vehicle, "Phase current, rms", "current [A]", ("motor_electrics.current", "")),
+            *recorded(run, vehicle, "Phase voltage, rms", "voltage [V]", ("motor_electrics.voltage", "")),
+            *recorded(run, vehicle, "Power from the DC link", "power [W]", ("motor_electrics.power", "")),
             panel("Winding", "temperature [degC]", lambda: both_sides(run, vehicle, "motor_temperatures.winding")),
             panel(f"Temperatures, {left_and_right(vehicle)[0].replace('_', ' ')}", "temperature [degC]", temperatures),
             panel("Cell", "voltage [V]", lambda: [Curve(run.time, channel(run, "battery.cell.voltage"))]),
@@ -229,24 +238,14 @@ _TEMPERATURES = (
 def bench_channels(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
     """Torques and speeds commanded and measured, temperatures of both circuits, and the accounts of energy."""
 
-    def sides(title: str, ylabel: str, channels: Sequence[tuple[str, str]]) -> list[Panel]:
-        return [
-            panel(
-                f"{title}, {wheel.replace('_', ' ')}",
-                ylabel,
-                lambda wheel=wheel: [Curve(run.time, channel(run, f"{name}.{wheel}"), said) for name, said in channels],
-            )
-            for wheel in left_and_right(vehicle)
-        ]
-
     def energies() -> list[Curve]:
         return [Curve(run.time, channel(run, f"bench.energy.{name}") / 1e6, name) for name in BenchEnergy._fields]
 
     return sheet_over_cycle(
         [
-            *sides("Torque at the shaft", "torque [N m]", _TORQUES),
-            *sides("Speed of the shaft", "speed [rad/s]", _SPEEDS),
-            *sides("Temperatures", "temperature [degC]", _TEMPERATURES),
+            *recorded(run, vehicle, "Torque at the shaft", "torque [N m]", *_TORQUES),
+            *recorded(run, vehicle, "Speed of the shaft", "speed [rad/s]", *_SPEEDS),
+            *recorded(run, vehicle, "Temperatures", "temperature [degC]", *_TEMPERATURES),
             panel("Energy since the start", "energy [MJ]", energies),
         ],
         run,

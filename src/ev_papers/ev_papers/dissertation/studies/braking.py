@@ -15,7 +15,7 @@ from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, channel, metric
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results
+from ev_sim.study.study import Case, Results, rows_of_cases
 
 ABOUT = "Full braking without ABS, with one of the friction brakes, and with drives and brakes blended, on all roads"
 SCENARIO = "blended_brakes"
@@ -128,11 +128,4 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     """Road, control and what was measured; a dash where the car does not stop in time."""
-
-    def shown(value: float | None, digits: int) -> str:
-        return "–" if value is None else f"{value:.{digits}f}"
-
-    return [
-        (*name.split(": "), *(shown(result.measured.get(key), digits) for key, (_, digits) in QUANTITIES.items()))
-        for name, result in results.items()
-    ]
+    return rows_of_cases(results, {name: f".{digits}f" for name, (_, digits) in QUANTITIES.items()})

@@ -10,7 +10,7 @@ from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, SIDES, case_name, roads
 from ev_papers.dissertation.studies import printed as printed
 from ev_papers.dissertation.studies.printed import gains
-from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE, Figure, new_figure
+from ev_sim.figures.drawing import STROKES, TEXT_SIZE, Figure, name_axes, new_figure
 from ev_sim.measures.metric import Metric, mean_over_seeds
 from ev_sim.profiles.profile import LISTED
 from ev_sim.study.study import Case, Results
@@ -34,13 +34,11 @@ def efficiency_figure(
             if method in printed:
                 line = {"color": _PRINTED, "linestyle": STROKES[1][1], "linewidth": 1.6}
                 axes.hlines(printed[method], *ends, label="printed", **line)
-        axes.set_title(f"driver {driver}", loc="left", fontsize=TITLE_SIZE)
         axes.set_xticks(list(by_method), [titles[method].replace(" ", "\n") for method in by_method])
-        axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
         axes.set_ylim(0.4, 1.0)
-        axes.grid(True, axis="y", color="0.88", linewidth=0.6)
-        axes.spines[["top", "right"]].set_visible(False)
-    panels[0].set_ylabel("wheel efficiency [1]", fontsize=TEXT_SIZE)
+        name_axes(
+            axes, f"driver {driver}", ylabel="wheel efficiency [1]" if axes is panels[0] else "", grid="y", pad=6.0
+        )
     handles, labels = panels[0].get_legend_handles_labels()
     entries = dict(zip(labels, handles, strict=True))
     figure.legend(entries.values(), entries, loc="outside upper center", ncols=3, fontsize=TEXT_SIZE, frameon=False)
