@@ -14,7 +14,7 @@ from ev_papers.shchur2019 import paper
 from ev_sim.drives.drive import DRIVES
 from ev_sim.measures.metric import Metric, Parameters, Runs
 from ev_sim.recording.offline import run_offline
-from ev_sim.report.reports import report_for
+from ev_sim.report.result import report_for
 from ev_sim.scenarios.scenario import Overrides, Scenario, load_scenario
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from documentation.markdown import code, table
 from documentation.measured import is_long, write_measured
 from documentation.neutral_steer import neutral_steer_table, save_bode_plot
 from documentation.results import Driven
-from ev_papers.ge_ni2005.report import CASES
+from ev_papers.ge_ni2005.source import CASES
 from ev_sim.measures.metric import Metric
 from ev_sim.study.run_study import arguments, figures_of
 from ev_sim.study.study import Results, study_named

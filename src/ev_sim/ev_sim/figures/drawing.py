@@ -139,6 +139,9 @@ _FIRST = (
 # Behind them all that are left, for as many laws as there may be.
 STROKES = tuple(dict.fromkeys((*_FIRST, *product([colour for colour, _ in _FIRST], (SOLID, DASHED, DOTTED, MIXED)))))
 CHARACTER, STROKE = 0.06, 0.37  # width of a letter of a legend, and of a stroke with its gaps [inch]
+NARROW_LEGEND: dict[str, Any] = {
+    "frameon": False, "borderaxespad": 0.0, "columnspacing": 1.0, "handlelength": 1.8, "handletextpad": 0.4
+}  # fmt: skip
 BAND = "band: lowest to highest, line: mean"
 LEGEND_COLUMNS, LEGEND_ROW = 5, 0.17  # of that legend, the height of a row in [inch]
 
@@ -240,11 +243,9 @@ def _draw(axes: Axes, panel: Panel, width: float, span: tuple[float, float] | No
     ours = [curve for curve in panel.curves if not curve.published]
     for curve, (colour, dashes) in zip(ours, cycle(STROKES), strict=False):
         _draw_curve(axes, curve, columns, {"color": colour, "linestyle": dashes, "linewidth": 1.2})
-    named = False  # all that is published is one entry of the legend
-    for curve in (curve for curve in panel.curves if curve.published):
-        label = "_" if named else curve.label
+    for number, curve in enumerate(curve for curve in panel.curves if curve.published):
+        label = "_" if number else curve.label  # all that is published is one entry of the legend
         axes.plot(curve.time, curve.values, color="black", linestyle=DOTTED, linewidth=1.6, zorder=3, label=label)
-        named = True
     name_axes(axes, panel.title, ylabel=panel.ylabel)
     axes.yaxis.set_label_coords(-0.5 / (width - 0.85), 0.5)  # in line with the panels above and below
     axes.locator_params(nbins=6)
@@ -252,16 +253,7 @@ def _draw(axes: Axes, panel: Panel, width: float, span: tuple[float, float] | No
         axes.text(0.5, 0.5, panel.note, transform=axes.transAxes, ha="center", fontsize=TEXT_SIZE, color="0.4")
     own_legend = any(curve.label for curve in panel.curves) and _legend_fits(panel, width)
     if own_legend:
-        axes.legend(
-            loc="upper right",
-            fontsize=TEXT_SIZE,
-            frameon=False,
-            ncols=len(_labels(panel)),
-            borderaxespad=0.0,
-            handlelength=1.8,
-            handletextpad=0.4,
-            columnspacing=1.0,
-        )
+        axes.legend(loc="upper right", fontsize=TEXT_SIZE, ncols=len(_labels(panel)), **NARROW_LEGEND)
     if span:
         _leave_room(axes, *span, own_legend)
 

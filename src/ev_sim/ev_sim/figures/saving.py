@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ev_sim.figures.drawing import Axes, Figure
+from ev_sim.figures.drawing import NARROW_LEGEND, Axes, Figure
 from ev_sim.recording.recording import atomic_file
 
 _WIDTH = 3.5  # of a column [inch]
@@ -54,9 +54,8 @@ def as_column(figure: Figure) -> None:
         top -= foot
     if common:
         figure.legend(
-            common.values(), common, loc="upper center", bbox_to_anchor=(0.5, 1.0 - 0.06 / total), frameon=False,
-            ncols=_columns(common), fontsize=_TEXT_SIZE,
-            borderaxespad=0.0, borderpad=0.1, columnspacing=1.0, handlelength=1.8, handletextpad=0.4,
+            common.values(), common, loc="upper center", bbox_to_anchor=(0.5, 1.0 - 0.06 / total),
+            ncols=_columns(common), fontsize=_TEXT_SIZE, borderpad=0.1, **NARROW_LEGEND,
         )  # fmt: skip
 
 
@@ -97,9 +96,8 @@ def _restyle(axes: Axes, legend: dict[str, object], labelled: bool, all_axes: Se
         axes.get_legend().remove()
     if legend:
         axes.legend(
-            legend.values(), legend, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=_columns(legend), frameon=False,
-            fontsize=_TEXT_SIZE, borderaxespad=0.0, borderpad=0.1, columnspacing=1.0, handlelength=1.8,
-            handletextpad=0.4,
+            legend.values(), legend, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=_columns(legend),
+            fontsize=_TEXT_SIZE, borderpad=0.1, **NARROW_LEGEND,
         )  # fmt: skip
     for place in ("left", "center", "right"):
         if text := axes.get_title(loc=place):

@@ -16,7 +16,7 @@ from ev_sim.figures.drawing import Figure
 from ev_sim.figures.other_axes import lines_with_bands, maps
 from ev_sim.measures.metric import Metric, own_metrics
 from ev_sim.recording.recording import Recording
-from ev_sim.report.reports import report_for
+from ev_sim.report.result import report_for
 from ev_sim.report.tables import cell, text_table
 from ev_sim.scenarios.parameter_file import read_yaml
 from ev_sim.scenarios.scenario import Run, load_scenario

@@ -9,8 +9,13 @@ from typing import Any
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_papers.dissertation.figures.slip_curve import slip_curve_figure
-from ev_papers.dissertation.figures.urban_mixed import OF_A_CIRCUIT, electrical, over_friction, wheel_efficiency
+from ev_papers.dissertation.figures.urban_mixed import (
+    OF_A_CIRCUIT,
+    electrical,
+    over_friction,
+    slip_curve_figure,
+    wheel_efficiency,
+)
 from ev_papers.dissertation.figures.urban_sheets import cycle_figure, sheet_over_cycle
 from ev_papers.dissertation.measures.urban_cases import BENCH, FIVE, METHODS, SCENARIO, case
 from ev_sim.drives.electrical_side import loss_power
