@@ -7,7 +7,7 @@ the torque is shared.
 from __future__ import annotations
 
 from ev_core.vehicle.description import Vehicle
-from ev_papers.zhileykin2018.quantities import off_the_path
+from ev_papers.zhileykin2018.grid import off_the_path
 from ev_papers.zhileykin2018.source import track
 from ev_sim.figures.drawing import Figure, motion_panels, sheet
 from ev_sim.figures.other_axes import plan_view

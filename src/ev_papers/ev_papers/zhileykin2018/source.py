@@ -13,8 +13,7 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.zhileykin2018 import measures
-from ev_papers.zhileykin2018.grid import BY_LAW, REAR_DRIVE, SCENARIO
-from ev_papers.zhileykin2018.quantities import LIMIT, SHARES, SWING, turn_arounds
+from ev_papers.zhileykin2018.grid import BY_LAW, LIMIT, REAR_DRIVE, SCENARIO, SHARES, SWING, turn_arounds
 from ev_sim.figures.drawing import Curve, Figure, Panel, motion_panels, over_time, sheet
 from ev_sim.figures.other_axes import plan_view
 from ev_sim.measures import motion

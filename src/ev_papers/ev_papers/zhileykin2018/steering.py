@@ -11,7 +11,7 @@ import numpy as np
 
 from ev_papers.zhileykin2018 import grid
 from ev_papers.zhileykin2018.grid import CONTROLS
-from ev_papers.zhileykin2018.quantities import LIMIT as LIMIT
+from ev_papers.zhileykin2018.grid import LIMIT as LIMIT
 from ev_sim.measures import motion
 from ev_sim.measures.handling import peak_sideslip
 from ev_sim.measures.metric import Metric, channel, metric

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ev_papers.zhileykin2018 import grid as grid
-from ev_papers.zhileykin2018.grid import ANGLES, FIXED, FORCES, REAR_DRIVE, SWEPT
-from ev_papers.zhileykin2018.quantities import LIMIT, SHARES
+from ev_papers.zhileykin2018.grid import ANGLES, FIXED, FORCES, LIMIT, REAR_DRIVE, SHARES, SWEPT
 from ev_sim.figures.drawing import Figure
 from ev_sim.figures.other_axes import heat_maps
 from ev_sim.measures.metric import Metric, metric

@@ -160,10 +160,7 @@ def when_passing(run: Recording, speed: float, values: np.ndarray) -> float:
 
 def total_force(run: Recording) -> np.ndarray:
     """Sum of the magnitudes of the four tyre forces in the plane of the road, (n,) [N]."""
-    along, across = (
-        [channel(run, f"tire_forces.{kind}_force.{wheel}") for wheel in WHEEL_NAMES]
-        for kind in ("longitudinal", "lateral")
-    )
+    along, across = (_of_wheels(run, f"tire_forces.{kind}_force") for kind in ("longitudinal", "lateral"))
     return np.hypot(along, across).sum(axis=0)
 
 

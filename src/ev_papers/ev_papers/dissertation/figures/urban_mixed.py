@@ -9,8 +9,8 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.dissertation.figures.urban_sheets import (
-    TIME,
-    WIDTH,
+    SHEET_WIDTH,
+    TIME_AXIS,
     both_sides,
     each_side,
     left_and_right,
@@ -268,10 +268,10 @@ def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figur
                 lambda: both_sides(shorter, vehicle, "tire_forces.friction_coefficient"),
             ),
         ],
-        TIME,
+        TIME_AXIS,
         columns=1,
         start=float(shorter.time[0]),
-        panel_width=WIDTH,
+        panel_width=SHEET_WIDTH,
     )
     figure.axes[2].set_ylim(-0.1, 0.6)  # the first turn of a wheel has any slip
     figure.axes[3].set_ylim(0.0, 1.2)

@@ -15,11 +15,11 @@ from ev_sim.figures.drawing import (
     DPI,
     STROKES,
     TEXT_SIZE,
-    TITLE_SIZE,
     Axes,
     Curve,
     Figure,
     Panel,
+    name_axes,
     new_figure,
     panel,
     sheet,
@@ -75,13 +75,13 @@ def shade_traction(figure: Figure, pieces: Sequence[tuple[float, float, str]]) -
         axes.set_xlim(limits)
 
 
-WIDTH, NARROW = 9.2, 6.2  # of a panel alone, and of one beside another [inch]
-TIME = "time [s]"
+SHEET_WIDTH, NARROW = 9.2, 6.2  # of a panel alone, and of one beside another [inch]
+TIME_AXIS = "time [s]"
 
 
 def thin_sheet(panels: list[Panel], columns: int = 1) -> Figure:
     """A sheet whose curves are thin enough for the pulses of a whole cycle."""
-    figure = sheet(panels, TIME, columns=columns, panel_width=WIDTH if columns == 1 else NARROW)
+    figure = sheet(panels, TIME_AXIS, columns=columns, panel_width=SHEET_WIDTH if columns == 1 else NARROW)
     for line in (line for axes in figure.axes for line in axes.lines):
         line.set_linewidth(0.7)
     return figure
@@ -133,7 +133,7 @@ def both_sides(run: Recording, vehicle: Vehicle, quantity: str) -> list[Curve]:
 
 def cycle_figure(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
     """Figure 2.13: the cycle over time, what lies under the wheels, and the windows."""
-    figure = new_figure(WIDTH, 4.2)
+    figure = new_figure(SHEET_WIDTH, 4.2)
     rows = figure.subplots(4, 1, sharex=True, height_ratios=(8, 1, 1, 1))
     figure.subplots_adjust(left=0.085, right=0.985, bottom=0.2, top=0.94, hspace=0.16)
     speed, *strips = rows
@@ -145,7 +145,7 @@ def cycle_figure(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) ->
     for axes in rows:
         axes.spines[["top", "right"]].set_visible(False)
         axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
-    strips[2].set_xlabel(TIME, fontsize=TEXT_SIZE)
+    strips[2].set_xlabel(TIME_AXIS, fontsize=TEXT_SIZE)
     strips[2].set_xlim(run.time[0], run.time[-1])
     from matplotlib.patches import Patch
 
@@ -163,15 +163,13 @@ def _draw_speed(axes: Axes, run: Recording, driver: Mapping[str, Any]) -> None:
     missing = []
     for label, colour, width, values in curves:
         try:
-            axes.plot(*thinned(run.time, values(), int(WIDTH * DPI)), color=colour, linewidth=width, label=label)
+            axes.plot(*thinned(run.time, values(), int(SHEET_WIDTH * DPI)), color=colour, linewidth=width, label=label)
         except NotMeasured as why:
             missing.append(f"{label} not measured: {why}")
     if missing:
         axes.text(0.5, 0.5, "\n".join(missing), transform=axes.transAxes, ha="center", fontsize=TEXT_SIZE, color="0.4")
-    axes.set_title("Urban cycle and what lies under the wheels", loc="left", fontsize=TITLE_SIZE, pad=3)
-    axes.set_ylabel("speed [m/s]", fontsize=TEXT_SIZE)
+    name_axes(axes, "Urban cycle and what lies under the wheels", ylabel="speed [m/s]")
     axes.set_ylim(bottom=0.0)
-    axes.grid(True, color="0.88", linewidth=0.6)
     if axes.lines:
         axes.legend(loc="upper right", bbox_to_anchor=(1.0, 1.1), ncols=2, fontsize=TEXT_SIZE, frameon=False)
 

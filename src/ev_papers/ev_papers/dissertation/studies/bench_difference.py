@@ -96,7 +96,7 @@ COLUMNS = (
 LEFT = 2
 SUMS = ("largest_",)
 PUBLISHED = "5..10"  # %, figure 5.26
-RUNS: dict[str, tuple[str, Values]] = {
+BENCHES: dict[str, tuple[str, Values]] = {
     "model": (SCENARIO, ()),
     "ideal": (BENCH, ideal()),
     "bench": (BENCH, ()),
@@ -124,7 +124,7 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
         urban_cases.case(method, driver, 1, _name(method, driver, run), values, scenario)
         for driver in given.drivers
         for method in FIVE
-        for run, (scenario, values) in RUNS.items()
+        for run, (scenario, values) in BENCHES.items()
     ]
 
 
@@ -138,7 +138,7 @@ def differences(results: Results, method: str, driver: str) -> dict[str, float]:
     Exchange: ideal bench against the model. Rotor: what the transducer shows of it against what drives the car. Groups:
     each alone on an otherwise ideal bench, against that.
     """
-    of = {run: _of(results, method, driver, run) for run in RUNS}
+    of = {run: _of(results, method, driver, run) for run in BENCHES}
     model, exact = of["model"], of["ideal"]
     counted = model["in_traction"]
     return {

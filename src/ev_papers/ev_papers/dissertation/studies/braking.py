@@ -28,7 +28,7 @@ CONTROLS = {  # name -> run of the scenario, and what it is told
 }
 NOISE = {"wheel_speed": 0.03, "wheel_torque": 0.5, "imu_acceleration": 0.05, "imu_yaw_rate": 0.002}
 BEGIN, STANDING, ROLLING = 1.0, 0.3, 2.0  # of the pedal [s]; as good as stopped, and fast enough for a slip [m/s]
-DURATION = 20.0  # [s]
+LONGEST_STOP = 20.0  # [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +87,7 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every control on every road."""
     noise = tuple(("plant", f"sensors.{sensor}.noise", deviation) for sensor, deviation in NOISE.items())
     return [
-        Case(f"{road}: {name}", SCENARIO, (*noise, *SITUATIONS[road].values(), *told), run, duration=DURATION)
+        Case(f"{road}: {name}", SCENARIO, (*noise, *SITUATIONS[road].values(), *told), run, duration=LONGEST_STOP)
         for road in getattr(given, "roads", None) or SITUATIONS
         for name, (run, told) in CONTROLS.items()
     ]
