@@ -35,7 +35,13 @@ from ev_sim.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_ti
 from ev_sim.verdicts.verdict import metrics_at_hand
 
 SPEED = 8.5  # [m/s], which every run passes in the bend
-Values = Callable[[Recording], np.ndarray]
+OF_WHEEL: dict[str, Callable[[Recording, str, Vehicle], np.ndarray]] = {  # (n,); forces along the axes of the car
+    "force_y": lambda run, wheel, vehicle: tyre_force(run, wheel, vehicle).y,
+    "force_x": lambda run, wheel, vehicle: tyre_force(run, wheel, vehicle).x,
+    "lateral_force": lambda run, wheel, vehicle: channel(run, f"tire_forces.lateral_force.{wheel}"),
+    "wheel_speed": lambda run, wheel, vehicle: channel(run, f"wheel_states.velocity.{wheel}"),
+}
+ACROSS = ("force_y", "lateral_force")  # along y of the car, and across the wheel
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
@@ -43,8 +49,9 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     result = {}
     for name in (f"{layout}_{control}" for layout in LAYOUTS for control in CONTROLS):
         for wheel in WHEEL_NAMES:
-            for kind, values in _forces(wheel, vehicle).items():
-                result[f"{kind}_{wheel}_{name}"] = metric(_when_fast(runs, name, values), "N")
+            for kind in ACROSS:
+                force = _when_fast(runs, name, lambda run, w=wheel, k=kind: OF_WHEEL[k](run, w, vehicle))
+                result[f"{kind}_{wheel}_{name}"] = metric(force, "N")
         result[f"total_tyre_force_{name}"] = metric(_when_fast(runs, name, total_force), "N")
         result[f"drive_energy_{name}"] = metric(_when_fast(runs, name, energy_since_turning_in), "J")
         result[f"time_to_speed_{name}"] = metric(_when_fast(runs, name, time_since_turning_in), "s")
@@ -54,30 +61,21 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Figs 3 to 14 over time, and what the correction does to the lateral forces over the speed, in both axes."""
-
-    def over_speed(kind: str) -> list[Panel]:
-        return [_over_speed(runs, wheel, _forces(wheel, vehicle)[kind]) for wheel in WHEEL_NAMES]
-
     shown = panels(runs, vehicle)
+    across = [
+        _wheels_over_time(runs, vehicle, "Across the wheel", f"{each}_{CORRECTED}", "lateral_force") for each in LAYOUTS
+    ]
     return {
-        "forces_y": sheet(over_speed("force_y"), "speed [m/s]"),
-        "lateral_forces": sheet(over_speed("lateral_force"), "speed [m/s]"),
+        **{
+            name: sheet([_over_speed(runs, vehicle, wheel, kind) for wheel in WHEEL_NAMES], "speed [m/s]")
+            for name, kind in zip(("forces_y", "lateral_forces"), ACROSS, strict=True)
+        },
         "fig3_to_fig11": sheet([shown[n] for n in (3, 6, 9, 4, 7, 10, 5, 8, 11)], "time [s]", columns=len(LAYOUTS)),
-        "fig12_to_fig14": sheet(
-            [*(shown[n] for n in (12, 13, 14)), *_across_the_wheels(runs)], "time [s]", columns=len(LAYOUTS)
-        ),
+        "fig12_to_fig14": sheet([*(shown[n] for n in (12, 13, 14)), *across], "time [s]", columns=len(LAYOUTS)),
     }
 
 
-def _forces(wheel: str, vehicle: Vehicle) -> dict[str, Values]:
-    """Forces of a wheel across: along y of the car, and across the wheel."""
-    return {
-        "force_y": lambda run: tyre_force(run, wheel, vehicle).y,
-        "lateral_force": lambda run: channel(run, f"tire_forces.lateral_force.{wheel}"),
-    }
-
-
-def _when_fast(runs: Runs, name: str, values: Values) -> Callable[[], float]:
+def _when_fast(runs: Runs, name: str, values: Callable[[Recording], np.ndarray]) -> Callable[[], float]:
     """The quantity (n,) at the instant at which the run passes SPEED in the bend."""
 
     def measure() -> float:
@@ -87,7 +85,7 @@ def _when_fast(runs: Runs, name: str, values: Values) -> Callable[[], float]:
     return measure
 
 
-def _over_speed(runs: Runs, wheel: str, force: Values) -> Panel:
+def _over_speed(runs: Runs, vehicle: Vehicle, wheel: str, kind: str) -> Panel:
     """The force with the correction minus that with equal torques, at the same speed in the bend."""
 
     def in_the_bend(name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -96,7 +94,7 @@ def _over_speed(runs: Runs, wheel: str, force: Values) -> Panel:
         speed = motion.path_speed(run)[start:]
         if len(speed) < 2 or not (np.diff(speed) > 0.0).all():
             raise NotMeasured(f"the speed of {name} does not rise all the time")
-        return speed, force(run)[start:]
+        return speed, OF_WHEEL[kind](run, wheel, vehicle)[start:]
 
     def gained(layout: str) -> Curve:
         (speed, equal), (others, corrected) = (in_the_bend(f"{layout}_{control}") for control in CONTROLS)
@@ -108,45 +106,28 @@ def _over_speed(runs: Runs, wheel: str, force: Values) -> Panel:
     return panel(title, "force [N]", lambda: [gained(layout) for layout in LAYOUTS], scale="difference")
 
 
-def _wheels_over_time(
-    runs: Runs, title: str, name: str, ylabel: str, of: Callable[[Recording, str], np.ndarray]
-) -> Panel:
+def _wheels_over_time(runs: Runs, vehicle: Vehicle, title: str, name: str, kind: str) -> Panel:
     def curves() -> list[Curve]:
         run = run_named(runs, name)
-        return [Curve(run.time, of(run, wheel), wheel.replace("_", " ")) for wheel in WHEEL_NAMES]
+        return [Curve(run.time, OF_WHEEL[kind](run, each, vehicle), each.replace("_", " ")) for each in WHEEL_NAMES]
 
+    ylabel = "speed [rad/s]" if kind == "wheel_speed" else "force [N]"
     return panel(f"{title}, {name.replace('_', ', ')}", ylabel, curves)
 
 
 def panels(runs: Runs, vehicle: Vehicle) -> dict[int, Panel]:
     """Figs 3 to 14 by number: forces along y and x of the car and wheel speeds, with equal and corrected torques."""
-
-    def force_y(run: Recording, wheel: str) -> np.ndarray:
-        return tyre_force(run, wheel, vehicle).y
-
-    def force_x(run: Recording, wheel: str) -> np.ndarray:
-        return tyre_force(run, wheel, vehicle).x
-
-    def wheel_speed(run: Recording, wheel: str) -> np.ndarray:
-        return channel(run, f"wheel_states.velocity.{wheel}")
-
     found = {}
     for n, layout in enumerate(LAYOUTS):
         equal, corrected = f"{layout}_{EQUAL}", f"{layout}_{CORRECTED}"
-        found[3 + 3 * n] = _wheels_over_time(runs, f"{3 + 3 * n}  F_y", equal, "force [N]", force_y)
-        found[4 + 3 * n] = _wheels_over_time(runs, f"{4 + 3 * n}  F_x", equal, "force [N]", force_x)
-        found[5 + 3 * n] = _wheels_over_time(runs, f"{5 + 3 * n}  Wheel speed", equal, "speed [rad/s]", wheel_speed)
-        found[12 + n] = _wheels_over_time(runs, f"{12 + n}  F_y", corrected, "force [N]", force_y)
+        for number, title, run, kind in (
+            (3 + 3 * n, "F_y", equal, "force_y"),
+            (4 + 3 * n, "F_x", equal, "force_x"),
+            (5 + 3 * n, "Wheel speed", equal, "wheel_speed"),
+            (12 + n, "F_y", corrected, "force_y"),
+        ):
+            found[number] = _wheels_over_time(runs, vehicle, f"{number}  {title}", run, kind)
     return found
-
-
-def _across_the_wheels(runs: Runs) -> list[Panel]:
-    """What figs 12 to 14 would show in the axes of the wheels."""
-
-    def across(run: Recording, wheel: str) -> np.ndarray:
-        return channel(run, f"tire_forces.lateral_force.{wheel}")
-
-    return [_wheels_over_time(runs, "Across the wheel", f"{each}_{CORRECTED}", "force [N]", across) for each in LAYOUTS]
 
 
 ORDER = 2  # among the sources, in tables

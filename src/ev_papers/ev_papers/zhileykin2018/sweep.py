@@ -13,11 +13,12 @@ from ev_papers.zhileykin2018.grid import ANGLES, FIXED, FORCES, LIMIT, REAR_DRIV
 from ev_sim.figures.drawing import Figure
 from ev_sim.figures.other_axes import heat_maps
 from ev_sim.measures.metric import Metric, metric
-from ev_sim.report.tables import text_table
 from ev_sim.study.study import Case, Results
 
 ABOUT = "Zhileykin 2018: drive force by steering angle on ice with snow, who spins with which control"
 COLUMNS = ("force [N]", "angle [deg]", *SWEPT)
+HEADING = f"largest sideslip angle [deg], ** where it passes {math.degrees(LIMIT):g} deg"
+LEFT = 0
 SUMS = ("cases", "rear_drive_spins", "holds_", "calm_")
 
 
@@ -67,12 +68,6 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
         for i, force in enumerate(FORCES)
         for j, angle in enumerate(ANGLES)
     ]
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    table = text_table(COLUMNS, rows(given, results), left=())
-    return f"largest sideslip angle [deg], ** where it passes {math.degrees(LIMIT):g} deg\n{table}"
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

@@ -216,7 +216,8 @@ def printed(study: Study, given: argparse.Namespace, results: Results) -> str:
     """What a study prints above its metrics, as aligned text; may be empty."""
     if hasattr(study, "tables"):
         return study.tables(given, results)
-    return text_table(study.COLUMNS, study.rows(given, results), left=study.COLUMNS[: getattr(study, "LEFT", 1)])
+    table = text_table(study.COLUMNS, study.rows(given, results), left=study.COLUMNS[: getattr(study, "LEFT", 1)])
+    return f"{study.HEADING}\n{table}" if hasattr(study, "HEADING") else table
 
 
 def _print_notes(results: Sequence[CaseResult]) -> None:

@@ -122,7 +122,7 @@ class Study(Protocol):
     # - `SUMS`, with which the metrics begin that sum the rows up,
     # - `figures(given, results)`, by the name of their file without suffix,
     # - `tables(given, results)`, the text that is printed above the metrics; without it these are its rows below
-    #   COLUMNS, of which the first LEFT ones are set to the left,
+    #   COLUMNS, of which the first LEFT ones are set to the left, below a line HEADING if there is one,
     # - `table(given, results)`, whose columns and rows of values are kept as files,
     # - `variations(given)`, by NODE.PARAM the values that it varies itself,
     # - `SHORTEST`, the least simulated time with which there is anything to measure [s].
