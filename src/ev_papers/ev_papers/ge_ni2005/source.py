@@ -181,24 +181,16 @@ def _case(runs: Runs, vehicle: Vehicle, case: str) -> list[Panel]:
     """All panels of a case of car and speed, and the speed of the car where it is free, else what the laws ask for."""
     names = [name + case for name in (BASELINE, *READINGS)]
     by_letter = panels(runs, vehicle, names)
+
+    def torque_difference(run: Recording) -> np.ndarray:
+        return np.subtract(*(channel(run, f"torque_request.drive.rear_{side}") for side in ("right", "left")))
+
     if FREE_SPEED in case:
-        title, ylabel, quantity = "Longitudinal speed", "speed [m/s]", _speed
+        title, ylabel, quantity = "Longitudinal speed", "speed [m/s]", lambda run: channel(run, "twist.longitudinal")
     else:
-        title, ylabel, quantity = "Torque requests, right minus left", "torque [N m]", _torque_difference
-    more = panel(title, ylabel, lambda: _curves(runs, names, quantity))
-    return [each for letter in "abc" for each in by_letter[letter]] + [
-        more,
-        *(each for letter in "def" for each in by_letter[letter]),
-    ]
-
-
-def _speed(run: Recording) -> np.ndarray:
-    return channel(run, "twist.longitudinal")
-
-
-def _torque_difference(run: Recording) -> np.ndarray:
-    right, left = (channel(run, f"torque_request.drive.rear_{side}") for side in ("right", "left"))
-    return right - left
+        title, ylabel, quantity = "Torque requests, right minus left", "torque [N m]", torque_difference
+    by_letter["c"].append(panel(title, ylabel, lambda: _curves(runs, names, quantity)))
+    return [each for panels_of_letter in by_letter.values() for each in panels_of_letter]
 
 
 def _curves(runs: Runs, names: Iterable[str], quantity: Callable[[Recording], np.ndarray]) -> list[Curve]:

@@ -108,28 +108,21 @@ _NO_DATA = "the source draws it from a catalogue, no data are in the text"
 _slip_curve = _of_run(lambda run, vehicle, driver: slip_curve_figure(run, vehicle))
 
 
-def _cycle(title: str, file: str) -> Callable[[], Panel]:
+def _cycle(figure: str, title: str, file: str) -> PublishedPanel:
     def points() -> list[Curve]:
         cycle = with_profile_from_file(SpeedProfileParameters(file=file))
         return [Curve(np.array(cycle.time), 3.6 * np.array(cycle.speed))]
 
-    return lambda: panel(title, "speed [km/h]", points)
+    draw = over_time(lambda: panel(title, "speed [km/h]", points))
+    return PublishedPanel(figure, "", _CYCLES, (f"diss.fig{figure}",), draw=draw)
 
 
 _CYCLE_PANELS = (
     PublishedPanel("2.8", "", "Fit of the slip curve", ("diss.fig2.8",), (CYCLES[1],), _slip_curve),
     cannot_be_drawn("2.9", "", _CYCLES, f"European Transient Cycle: {_NO_DATA}", "diss.fig2.9"),
-    PublishedPanel(
-        "2.10",
-        "",
-        _CYCLES,
-        ("diss.fig2.10",),
-        draw=over_time(_cycle("EPA New York City Cycle, the public data", "cycles/nycc.csv")),
-    ),
+    _cycle("2.10", "EPA New York City Cycle, the public data", "cycles/nycc.csv"),
     cannot_be_drawn("2.11", "", _CYCLES, f"modemIM Urban_Slow: {_NO_DATA}", "diss.fig2.11"),
-    PublishedPanel(
-        "2.12", "", _CYCLES, ("diss.fig2.12",), draw=over_time(_cycle("TRRL 1.1, table 2.4", "cycles/trrl_1_1.csv"))
-    ),
+    _cycle("2.12", "TRRL 1.1, table 2.4", "cycles/trrl_1_1.csv"),
     PublishedPanel("2.13", "", "Cycle and road", ("diss.fig2.13",), (CYCLES[1],), _of_run(cycle_figure)),
 )
 
