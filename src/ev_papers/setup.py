@@ -7,13 +7,13 @@ from setuptools import find_packages, setup
 HERE = Path(__file__).parent
 SOURCES = ("shchur2019", "ge_ni2005", "tatar_chudzik", "dissertation", "zhileykin2018")
 REPORTS = [
-    "shchur2019 = ev_papers.shchur2019.report_cycle",
+    "shchur2019 = ev_papers.shchur2019.source",
     "shchur2019_steps = ev_papers.shchur2019.report_steps",
-    "ge_ni2005 = ev_papers.ge_ni2005.report",
-    "tatar_chudzik = ev_papers.tatar_chudzik.report",
+    "ge_ni2005 = ev_papers.ge_ni2005.source",
+    "tatar_chudzik = ev_papers.tatar_chudzik.source",
     "urban_mixed = ev_papers.dissertation.studies.report",
     "urban_mixed_bench = ev_papers.dissertation.studies.report_bench",
-    "zhileykin2018 = ev_papers.zhileykin2018.report",
+    "zhileykin2018 = ev_papers.zhileykin2018.source",
     "zhileykin2018_braking = ev_papers.zhileykin2018.report_claims",
     "zhileykin2018_steered = ev_papers.zhileykin2018.report_claims",
 ]

@@ -11,7 +11,7 @@ import pytest
 from compiled_object import CompiledObject
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.signal import lsim
+from scipy.signal import StateSpace, lsim
 
 from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.battery import Battery
@@ -44,6 +44,39 @@ GE_NI = Vehicle(
         rear_cornering_stiffness=12000.0,
     ),
 )
+
+
+def state_space(car: SideSlipModel) -> StateSpace:
+    """States and outputs d1, d2, input Theta, all in rad (eqs 1 and 2)."""
+    length, speed = car.wheelbase, car.speed
+    turn, growth = speed / length, car.longitudinal_acceleration / speed
+    lever = length**2 / (4 * car.yaw_inertia)
+    same, cross = 1 / car.mass + lever, 1 / car.mass - lever
+    stiffness, force = car.axle_cornering_stiffness / speed, car.front_share * car.drive_force / speed
+    moment = car.moment_rate / 2
+    a = [
+        [-turn - stiffness * same - growth - moment, turn - stiffness * cross + moment],
+        [-turn - stiffness * cross + moment, turn - stiffness * same - growth - moment],
+    ]
+    b = [[turn + growth - force * same + moment], [turn - force * cross - moment]]
+    return StateSpace(np.array(a), np.array(b), np.eye(2), np.zeros((2, 1)))
+
+
+def magnitude(car: SideSlipModel, frequency: np.ndarray) -> np.ndarray:
+    """|W12(j w)| [1] at circular frequencies [rad/s] (eq 3)."""
+    return abs(car.excitation) / np.hypot(frequency, car.damping)
+
+
+def neutral_front_share(car: SideSlipModel) -> float:
+    """Front share h that makes the car steer neutrally without M_z: 2 J_z j cos(phi)/(L^2 X) [1] (eq 4)."""
+    return 2 * car.yaw_inertia * car.longitudinal_acceleration / (car.wheelbase**2 * car.drive_force)
+
+
+def neutral_rear_difference(car: SideSlipModel) -> float:
+    """Difference q of the rear shares that makes the car steer neutrally at this h < 1 (eq 7) [1]."""
+    needed = car.excitation + car.moment_rate
+    rear_moment = (1 - car.front_share) * car.drive_force * car.rear_track
+    return needed * car.yaw_inertia * car.yaw_rate / rear_moment
 
 
 def slip_angle_rates(car: SideSlipModel, d1: float, d2: float, theta: float, moment: float) -> np.ndarray:
@@ -82,7 +115,7 @@ angles = st.floats(-0.1, 0.1)
 @given(car=cars, d1=angles, d2=angles, theta=angles)
 def test_model_is_newton_euler(car, d1, d2, theta):
     """Eqs 1 and 2 with M_z = m_z J_z r against the turn: to 1e-9 of the largest rate that a term may have."""
-    system = car.state_space()
+    system = state_space(car)
     yaw_rate = car.speed / car.wheelbase * (theta + d2 - d1)
     expected = slip_angle_rates(car, d1, d2, theta, car.moment_rate * car.yaw_inertia * yaw_rate)
     rates = system.A @ (d1, d2) + system.B[:, 0] * theta
@@ -95,19 +128,19 @@ def test_model_is_newton_euler(car, d1, d2, theta):
 @given(car=cars, frequency=st.floats(0.1, 100.0))
 def test_transfer_function_is_that_of_both_slip_angles(car, frequency):
     """W12 from the matrices of eqs 1 and 2 at one frequency, to 1e-9 of their own size."""
-    system = car.state_space()
+    system = state_space(car)
     response = np.linalg.solve(1j * frequency * np.eye(2) - system.A, system.B[:, 0])
     _, w12 = car.transfer_function().freqresp([frequency])
     assert abs(w12[0] - (response[1] - response[0])) < 1e-9 * (1 + abs(response).max())
-    assert car.magnitude(np.array([frequency]))[0] == pytest.approx(abs(w12[0]), rel=1e-12)
+    assert magnitude(car, np.array([frequency]))[0] == pytest.approx(abs(w12[0]), rel=1e-12)
 
 
 def test_neutral_front_share():
     """X = 2400 N drives 2400 kg with 1 m/s^2: h = 2 J_z/(m L^2) = 0.480, where W12 vanishes."""
     driven = dataclasses.replace(CAR, drive_force=2400.0, longitudinal_acceleration=1.0)
-    neutral = dataclasses.replace(driven, front_share=driven.neutral_front_share)
+    neutral = dataclasses.replace(driven, front_share=neutral_front_share(driven))
     assert neutral.front_share == pytest.approx(2 * 4200 / (2400 * 2.7**2), rel=1e-14)
-    assert neutral.magnitude(np.array([0.0, 1.0, 10.0])) == pytest.approx(0.0, abs=1e-15)
+    assert magnitude(neutral, np.array([0.0, 1.0, 10.0])) == pytest.approx(0.0, abs=1e-15)
     assert driven.excitation < 0.0 < dataclasses.replace(driven, front_share=0.5).excitation
 
 
@@ -124,8 +157,8 @@ def test_neutral_rear_difference_is_the_law_for_the_rear_wheels():
     """At j = 0 and r = V Theta/L, eq 7 gives q = L Theta h/(2 B (1 - h)), the law of axle_redistribution."""
     theta, h = 0.1, 0.4
     car = dataclasses.replace(CAR, drive_force=3000.0, front_share=h, yaw_rate=CAR.speed * theta / CAR.wheelbase)
-    assert car.neutral_rear_difference == pytest.approx(2.7 * theta * h / (2 * 1.5 * (1 - h)), rel=1e-12)
-    balanced = dataclasses.replace(car, rear_difference=car.neutral_rear_difference)
+    assert neutral_rear_difference(car) == pytest.approx(2.7 * theta * h / (2 * 1.5 * (1 - h)), rel=1e-12)
+    balanced = dataclasses.replace(car, rear_difference=neutral_rear_difference(car))
     assert abs(balanced.excitation) < 1e-12 * balanced.moment_rate
 
 

@@ -12,7 +12,7 @@ import ev_sim
 from ev_core.parameters.data_file import files_in_config
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import channel
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 CARS = sorted(files_in_config("vehicles"))

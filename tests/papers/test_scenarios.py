@@ -10,7 +10,7 @@ from ros_graph import graph
 from source_runs import differing, driven, metrics_of, mirrored, value
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_papers.zhileykin2018.quantities import turn_arounds
+from ev_papers.zhileykin2018.grid import turn_arounds
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import load, signal_hash
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from ev_sim.command_line.options import arguments
-from ev_sim.figures.drawing import chatter
-from ev_sim.figures.panels import Curve, Panel, level
+from ev_sim.figures.drawing import Curve, Panel, chatter, level
 
 TIME = np.arange(0.0, 10.0, 0.001)
 SLOW = np.sin(TIME)
@@ -74,7 +73,7 @@ def test_what_is_published_is_black_named_once_and_changes_no_colour():
 @pytest.mark.parametrize(("width", "times"), [(20.0, 1), (0.5, 50)])
 def test_a_map_is_to_scale_or_says_how_much_larger_it_is_across(width: float, times: int):
     """A course 20 m across over 100 m can be drawn to scale; one of 0.5 m would be a hair on 8.4 inches."""
-    from ev_sim.figures.plan_view import plan_view
+    from ev_sim.figures.other_axes import plan_view
 
     figure = plan_view("Path", [Curve(10 * TIME, width * SLOW / 2, "car")])
     (axes,) = figure.axes
@@ -89,7 +88,7 @@ def test_a_map_is_to_scale_or_says_how_much_larger_it_is_across(width: float, ti
 @pytest.mark.slow
 def test_figures_for_print_are_as_wide_as_a_column_with_letters_as_letters(tmp_path: Path):
     """3.5 in are 252 pt."""
-    from ev_sim.figures.plan_view import plan_view
+    from ev_sim.figures.other_axes import plan_view
     from ev_sim.figures.saving import save_figures
 
     labels, few = ["front left", "front right", "rear left", "rear right"], TIME[::100]

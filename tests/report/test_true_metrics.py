@@ -15,7 +15,7 @@ from ev_core.lockstep.parts import row_parts
 from ev_msgs_py.contract import frame
 from ev_sim.recording.offline import run_offline, struck_channels, true_motion
 from ev_sim.recording.recording import Recording
-from ev_sim.report.reports import report_for
+from ev_sim.report.result import report_for
 from ev_sim.scenarios.scenario import Overrides, Scenario, load_scenario
 from ev_sim.study import compare
 

@@ -17,7 +17,7 @@ from ev_sim.plant.planar.planar_state import index
 from ev_sim.plant.planar.prepare import number_of_steps
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording
-from ev_sim.report.reports import report_for
+from ev_sim.report.result import report_for
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 pytestmark = pytest.mark.slow

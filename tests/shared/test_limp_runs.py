@@ -10,7 +10,7 @@ import pytest
 import ev_sim
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.batches.observer import mean
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import channel
 
 pytestmark = pytest.mark.slow
 

@@ -11,7 +11,7 @@ from documentation.markdown import code, table
 from documentation.measured import is_long, write_measured
 from documentation.neutral_steer import neutral_steer_table, save_bode_plot
 from documentation.results import Driven
-from ev_papers.ge_ni2005.report import CASES
+from ev_papers.ge_ni2005.source import CASES
 from ev_sim.measures.metric import Metric
 from ev_sim.study.run_study import arguments, figures_of
 from ev_sim.study.study import Results, study_named
@@ -52,7 +52,9 @@ def sums_table(name: str, results: Results, *options: str) -> str:
     """What the rows of a study add up to; empty if it sums nothing up."""
     study, given = study_named(name), arguments(name, options)
     found = study.metrics(given, results).items()
-    sums = [(code(key), _number(metric), metric.unit) for key, metric in found if key.startswith(study.SUMS)]
+    sums = [
+        (code(key), _number(metric), metric.unit) for key, metric in found if key.startswith(getattr(study, "SUMS", ()))
+    ]
     return table(("metric", "value", "unit"), sums) if sums else ""
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ev_papers.dissertation.studies import printed as printed
-from ev_papers.dissertation.studies.printed import gains, savings
+from ev_papers.dissertation.studies import five_methods as printed
+from ev_papers.dissertation.studies.five_methods import gains, savings
 
 
 def test_gains_by_hand():

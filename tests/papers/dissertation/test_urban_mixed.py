@@ -12,18 +12,17 @@ import pytest
 from urban_runs import CAR, PARAMETERS, driven, parameters_of, scenario
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_papers.dissertation.figures.channels import motors_and_cells
-from ev_papers.dissertation.figures.urban_sheets import stretches
+from ev_papers.dissertation.figures.urban_sheets import motors_and_cells, stretches
 from ev_papers.dissertation.measures import circuits
 from ev_papers.dissertation.measures import traction_windows as cycle
 from ev_papers.dissertation.measures.motors_and_cells import electrical_metrics
 from ev_papers.dissertation.measures.slip_curve import first_passed_peak
 from ev_sim.drives.electrical_side import loss_power
+from ev_sim.measures.handling import share_of, surfaces_under
 from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.surfaces_under import share_of, surfaces_under
 from ev_sim.profiles.cycle_windows import MODES, TRACTION
 from ev_sim.recording.recording import Recording
-from ev_sim.report.reports import report_for
+from ev_sim.report.result import report_for
 from ev_sim.surfaces import RoadParameters, left_and_right
 
 ROOT = Path(__file__).parents[3]

@@ -9,8 +9,8 @@ import pytest
 
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.refusal import ParameterError
-from ev_papers.dissertation.studies.bench_cases import IDEAL, apart, ideal, measure
 from ev_papers.dissertation.studies.bench_convergence import case as part_of_cycle
+from ev_papers.dissertation.studies.bench_difference import IDEAL, apart, ideal, measure
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.study.study import drive_case

@@ -8,7 +8,7 @@ import pytest
 from judging import verdict_from, verdict_on
 
 from ev_papers.dissertation.measures import circuits
-from ev_papers.dissertation.studies import printed
+from ev_papers.dissertation.studies import five_methods
 from ev_sim import surfaces
 from ev_sim.verdicts.need import Need, StudyNeed
 from ev_sim.verdicts.sources import published
@@ -212,4 +212,4 @@ def test_bands_hold_the_printed_numbers():
             if check.value is not None:
                 low, high = check.band()
                 assert low <= check.value <= high, id
-    assert printed.WHEEL_EFFICIENCY[1] == 0.96
+    assert five_methods.WHEEL_EFFICIENCY[1] == 0.96

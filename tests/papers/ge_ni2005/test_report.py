@@ -10,7 +10,7 @@ from printed_ge_ni2005 import equal_torques
 from source_runs import driven, metrics_of, value
 
 from ev_papers.ge_ni2005 import paper
-from ev_papers.ge_ni2005.report import ORDERINGS, READINGS
+from ev_papers.ge_ni2005.source import ORDERINGS, READINGS
 from ev_sim.measures import motion
 from ev_sim.measures.understeer import understeer_gradient
 

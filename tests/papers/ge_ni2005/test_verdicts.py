@@ -69,7 +69,8 @@ def test_full_car_in_place_of_the_sources_own_is_noticed():
 def test_values_that_follow_are_those_of_the_equations():
     """published.csv has seven digits of what the printed equations give with the printed parameters."""
     turn, speeds, slips = paper.steady_turn(), paper.rear_speeds(), [paper.slip_of(n) for n in paper.rear_loads()]
-    change = paper.turn_in_difference()
+    change = paper.YAW_GAIN * (0.0 - paper.STEERING * paper.SPEED / paper.WHEELBASE)  # eq 6 before the car yaws
+    target = paper.friction(paper.TARGET) * paper.REAR_LOAD * paper.RADIUS  # holds lambda_3* straight ahead [N m]
     follows = {
         "eq.yaw_rate": [turn.yaw_rate],
         "eq.beta": [turn.sideslip],
@@ -79,7 +80,7 @@ def test_values_that_follow_are_those_of_the_equations():
         "eq.loads": paper.rear_loads(),
         "eq.slips": [*slips, paper.slip_of(paper.REAR_LOAD)],
         "eq.speeds": [*speeds, *(speed / (1.0 - slip) for speed, slip in zip(speeds, slips, strict=True))],
-        "target": [paper.target_torque()],
+        "target": [target],
         "turn_in": [change, paper.TARGET - change],
     }
     for id, values in follows.items():

@@ -10,8 +10,7 @@ from source_runs import driven, value
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.measures import motion
-from ev_sim.measures.car_axes import tyre_force
-from ev_sim.measures.passing_speed import energy_since_turning_in, turning_in
+from ev_sim.measures.handling import energy_since_turning_in, turning_in, tyre_force
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 

@@ -14,7 +14,7 @@ from documentation.scenario_results import study_table
 from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018 import sweep as sweep
 from ev_papers.zhileykin2018 import variants as variants
-from ev_papers.zhileykin2018.quantities import LIMIT
+from ev_papers.zhileykin2018.grid import LIMIT
 from ev_sim.study.study import CaseResult, drive_case
 from ev_sim.study.workers import drive_cases
 from ev_sim.verdicts.need import StudyNeed

@@ -1,9 +1,8 @@
 """The report on the scenario own_source: its verdicts as metrics, and figure 1 of the source."""
 
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.panels import over_time
+from ev_sim.figures.drawing import over_time, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import channel
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.verdict import metrics_at_hand
 

@@ -1,7 +1,7 @@
 """What measures the numbers of published.csv, and the figures of the source."""
 
 from ev_sim.measures import motion
-from ev_sim.measures.samples import channel, run_named
+from ev_sim.measures.metric import channel, run_named
 from ev_sim.verdicts.need import ScenarioNeed
 from ev_sim.verdicts.panels_page import PublishedPanel, over_time
 from own_source.report import yaw_rates

@@ -12,8 +12,7 @@ import numpy as np
 from ev_core.vehicle.car import GRAVITY
 from ev_core.vehicle.driveline import wheel_inertia
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.samples import channel, run_named
+from ev_sim.measures.metric import NotMeasured, channel, run_named
 from ev_sim.surfaces import SURFACES, RoadParameters, left_and_right
 from ev_sim.verdicts.need import ScenarioRuns
 

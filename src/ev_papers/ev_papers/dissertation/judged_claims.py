@@ -10,8 +10,7 @@ import numpy as np
 
 from ev_papers.dissertation.measures.slip_curve import first_passed_peak, slip_and_road_torque
 from ev_sim.measures import motion
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.samples import channel, run_named
+from ev_sim.measures.metric import NotMeasured, channel, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.surfaces import SURFACES
 from ev_sim.verdicts.need import ScenarioRuns, StudyCases

@@ -10,9 +10,8 @@ import re
 import statistics
 
 from ev_papers.dissertation.measures.urban_cases import FIVE
-from ev_papers.dissertation.studies import printed
-from ev_papers.dissertation.studies.five_methods import values_of
-from ev_papers.dissertation.studies.printed import KILOWATT_HOUR, KILOWATT_MINUTE, gains, savings
+from ev_papers.dissertation.studies import five_methods
+from ev_papers.dissertation.studies.five_methods import KILOWATT_HOUR, KILOWATT_MINUTE, gains, savings, values_of
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.verdicts.need import StudyCases
 
@@ -67,12 +66,12 @@ def right_minus_left(driven: StudyCases, quantity: str, method: float) -> float:
 
 def product_of_tables(method: float) -> float:
     """Wheel times drive efficiency of table 5.6 [%]."""
-    return 100.0 * printed.BENCH_WHEEL_EFFICIENCY[int(method)] * printed.DRIVE_EFFICIENCY[int(method)]
+    return 100.0 * five_methods.BENCH_WHEEL_EFFICIENCY[int(method)] * five_methods.DRIVE_EFFICIENCY[int(method)]
 
 
 def gain_of_tables(driven: StudyCases, table: str, end: str, over: str) -> float:
     """Smallest or largest gain of method 1 by a table of the source, over method 1 or over the other one [%]."""
-    return _ENDS[end](getattr(gains(getattr(printed, table)), over).values())
+    return _ENDS[end](getattr(gains(getattr(five_methods, table)), over).values())
 
 
 def gain_of_runs(driven: StudyCases, quantity: str, end: str) -> float:
@@ -82,7 +81,7 @@ def gain_of_runs(driven: StudyCases, quantity: str, end: str) -> float:
 
 def saving_of_table(driven: StudyCases, end: str) -> float:
     """Smallest or largest saving of energy by method 1 in table 5.6, in its unit."""
-    return _ENDS[end](savings(printed.ENERGY).values())
+    return _ENDS[end](savings(five_methods.ENERGY).values())
 
 
 def saving_of_runs(driven: StudyCases, end: str) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from ev_papers.ge_ni2005 import paper, quantities
 from ev_papers.ge_ni2005.quantities import CHATTER_WINDOW, QUANTITIES, response_time, slip
 from ev_sim.measures import motion
-from ev_sim.measures.samples import channel, run_named
+from ev_sim.measures.metric import channel, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioRuns, StudyCases
 

@@ -83,13 +83,3 @@ def slip_of(load: float, torque: float = TORQUE) -> float:
     """The slip [1] below the peak at which a wheel with this load [N] takes a torque [N m] in steady running."""
     use = torque / (RADIUS * load)
     return PEAK_SLIP * (PEAK - math.sqrt(PEAK**2 - use**2)) / use
-
-
-def target_torque() -> float:
-    """The torque [N m] that holds lambda_3* straight ahead on a wheel with the load at rest."""
-    return friction(TARGET) * REAR_LOAD * RADIUS
-
-
-def turn_in_difference() -> float:
-    """Delta lambda* [1] when the wheels have just been turned and the car does not yaw yet (eq 6 with w = 0)."""
-    return YAW_GAIN * (0.0 - STEERING * SPEED / WHEELBASE)

@@ -15,22 +15,17 @@ from ev_sim.study.study import Case, Results
 ABOUT = "Ge & Ni 2005: chatter of the torques with boundary layer by control period, for two readings of eq 8"
 SCENARIO = "ge_ni2005"
 PERIODS = (0.0005, 0.001, 0.005, 0.01)  # [s]
-RUNS = ("increment", "offset_lower_target")  # those whose slips come to their target
-COLUMNS = ("control period [ms]", *(f"chatter of `{run}` [N m/s]" for run in RUNS))
+COMPARED = ("increment", "offset_lower_target")  # those whose slips come to their target
+COLUMNS = ("control period [ms]", *(f"chatter of `{run}` [N m/s]" for run in COMPARED))
 LEFT = 0
-SUMS = ()
-
-
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """There are none: the periods are those of the page docs/ge_ni2005.md."""
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """Every run at every period."""
+    """Every run at every period, as on the page docs/ge_ni2005.md."""
     return [
         Case(name_of(run, period), SCENARIO, (("*", "control_period", period),), run)
         for period in PERIODS
-        for run in RUNS
+        for run in COMPARED
     ]
 
 
@@ -48,13 +43,13 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """The largest chatter of each run over all periods."""
     return {
         f"chatter_{run}": metric(lambda r=run: max(_chatter(results, r, period) for period in PERIODS), "N m/s")
-        for run in RUNS
+        for run in COMPARED
     }
 
 
 def rows(given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
     """One row for each period."""
-    return [(f"{1e3 * period:g}", *(f"{_chatter(results, run, period):.3g}" for run in RUNS)) for period in PERIODS]
+    return [(f"{1e3 * period:g}", *(f"{_chatter(results, run, period):.3g}" for run in COMPARED)) for period in PERIODS]
 
 
 def _chatter(results: Results, run: str, period: float) -> float:

@@ -9,8 +9,7 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_papers.ge_ni2005 import paper
 from ev_sim.measures import motion
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.samples import channel, last
+from ev_sim.measures.metric import NotMeasured, channel, last
 from ev_sim.recording.recording import Recording
 
 OfRun = Callable[[Recording], float]

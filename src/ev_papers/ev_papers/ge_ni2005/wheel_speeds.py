@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from ev_papers.ge_ni2005.quantities import QUANTITIES, SIDES, slip
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import Metric, channel
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results, metrics_of_cases, rows_of_cases
@@ -20,7 +19,6 @@ SCENARIO = "ge_ni2005"
 UNITS = {"yaw_rate": "rad/s", "aside": "m", "slip_left": "1", "slip_right": "1", "peak_slip": "1", "chatter": "N m/s"}
 COLUMNS = ("run", "control", *(f"{name} [{unit}]" for name, unit in UNITS.items()))
 LEFT = 2
-SUMS = ()
 
 _LAW = "electronic_differential"
 _SPEEDS = (_LAW, "method", "wheel_speed")
@@ -62,12 +60,8 @@ _RUNS: dict[str, tuple[str, tuple]] = {
 }
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """There are none: the cases are those of the page docs/ge_ni2005.md."""
-
-
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """Every control in every run."""
+    """Every control in every run, as on the page docs/ge_ni2005.md."""
     return [
         Case(f"{name}: {control}", SCENARIO, (*changed, *values), run)
         for name, (run, changed) in _RUNS.items()
@@ -95,4 +89,4 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 def rows(given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
     """One row for each case."""
-    return rows_of_cases(results, UNITS)
+    return rows_of_cases(results, dict.fromkeys(UNITS, ".3g"))

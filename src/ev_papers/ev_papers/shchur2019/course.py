@@ -10,8 +10,7 @@ import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.measures import handling, motion
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import Metric, channel
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results, metrics_of_cases, rows_of_cases
@@ -22,7 +21,6 @@ UNITS = {"peak_hand_torque": "N m", "hand_torque": "N m", "yaw_rate_error": "rad
 UNITS |= {"peak_angle": "rad", "peak_difference": "N m"}  # of the road wheels; of the torque requests, right minus left
 COLUMNS = ("manoeuvre", "control", *(f"{name} [{unit}]" for name, unit in UNITS.items()))
 LEFT = 2
-SUMS = ()
 
 _LAW, _HANDS = "electronic_differential", "driver"
 _NONE = ((_LAW, "method", "equal_torque"),)
@@ -87,12 +85,11 @@ def _manoeuvres() -> dict[str, tuple[dict[str, tuple], tuple, float]]:
     }
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """There are none: the cases are those of the page docs/shchur2019.md."""
-
-
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """Every control in every manoeuvre; hands without power steering are those of double_lane_change."""
+    """Every control in every manoeuvre of the page docs/shchur2019.md.
+
+    Hands without power steering are those of double_lane_change.
+    """
     return [
         Case(f"{manoeuvre}: {control}", SCENARIO, common + values + firm, "course_stability", duration=duration)
         for manoeuvre, (controls, common, duration) in _manoeuvres().items()
@@ -122,4 +119,4 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 def rows(given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
     """One row for each case."""
-    return rows_of_cases(results, UNITS)
+    return rows_of_cases(results, dict.fromkeys(UNITS, ".3g"))

@@ -11,8 +11,7 @@ import numpy as np
 from ev_papers.shchur2019 import paper
 from ev_papers.shchur2019.step_response import StepResponse, first_peaks, step_response
 from ev_sim.measures import handling, motion
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.samples import channel, last, mean_between, run_named
+from ev_sim.measures.metric import NotMeasured, channel, last, mean_between, run_named
 from ev_sim.plant.kinematic import front_wheel_angles, path_curvature, wheel_speed_ratios
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioRuns

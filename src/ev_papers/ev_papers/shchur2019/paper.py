@@ -20,11 +20,6 @@ class SecondOrder:
     stiffness: float
 
     @property
-    def damping_ratio(self) -> float:
-        """Damping relative to critical damping [1]."""
-        return self.damping / (2 * math.sqrt(self.inertia * self.stiffness))
-
-    @property
     def decay(self) -> float:
         """Decay rate of the oscillation [1/s]."""
         return self.damping / (2 * self.inertia)
@@ -33,20 +28,6 @@ class SecondOrder:
     def damped_frequency(self) -> float:
         """Angular frequency of the oscillation [rad/s]."""
         return math.sqrt(self.stiffness / self.inertia - self.decay**2)
-
-    @property
-    def overshoot(self) -> float:
-        """First peak beyond the steady angle [% of it]."""
-        return 100 * self._extreme(1)
-
-    @property
-    def peak_time(self) -> float:
-        """Time from the step to the first peak, half of the period [s]."""
-        return math.pi / self.damped_frequency
-
-    def peak_angle(self, steady: float) -> float:
-        """First peak of a step response that ends at `steady`, in its unit."""
-        return steady * (1 + self._extreme(1))
 
     def steady_angle(self, torque: float) -> float:
         """Road-wheel angle under a constant torque about the kingpins [rad]."""
@@ -62,28 +43,6 @@ class SecondOrder:
         natural = self.stiffness / self.inertia
         decayed = math.exp(-self.decay * time)
         return decayed * natural / self.damped_frequency * math.sin(self.damped_frequency * time)
-
-    def settling_time(self, band: float) -> float:
-        """Time from the step to the last entry into +-band around the final value [s]."""
-        half_swing = math.pi / self.damped_frequency
-        swing = 0
-        while self._extreme(swing + 1) > band:
-            swing += 1
-        # The deviation falls monotonically from this extreme, the last outside the band, to the next one.
-        outside, inside = swing * half_swing, (swing + 1) * half_swing
-        edge = math.copysign(band, self.deviation(outside))
-        sign = math.copysign(1.0, edge)
-        while inside - outside > 1e-12:
-            middle = (outside + inside) / 2
-            if sign * (self.deviation(middle) - edge) > 0:
-                outside = middle
-            else:
-                inside = middle
-        return outside
-
-    def _extreme(self, number: int) -> float:
-        """Size of the n-th extreme of the deviation as a fraction of the final value; the 0th is the step itself."""
-        return math.exp(-self.decay * number * math.pi / self.damped_frequency)
 
 
 J_P = 2.8  # inertia of the steering system at the wheels [kg m^2]
@@ -124,29 +83,6 @@ def differential_torque(hand_torque: float, road_wheel_angle: float, rate: float
     """Right minus left wheel torque of the law (eq. 4) [N m] at an angle [rad] that changes at `rate` [rad/s]."""
     lever = 2 * R_K * I_RATIO / TRACK
     return lever * (GAMMA * hand_torque - I_RATIO * (K_CK * road_wheel_angle + B_CK * rate))
-
-
-def lowest_differential_torque() -> tuple[float, float]:
-    """When after the step [s] the differential torque of fig. 1b is lowest, and how low [N m] (eqs 4 and 7)."""
-    steady = CLOSED_LOOP.steady_angle((1 + GAMMA) * I_RATIO * HAND_TORQUE_CLOSED_LOOP)
-
-    def torque(time: float) -> float:
-        angle, rate = steady * (1 + CLOSED_LOOP.deviation(time)), steady * CLOSED_LOOP.rate(time)
-        return differential_torque(HAND_TORQUE_CLOSED_LOOP, angle, rate)
-
-    early, late = 0.0, CLOSED_LOOP.peak_time  # in between it falls once and rises once
-    while late - early > 1e-9:
-        third = (late - early) / 3
-        if torque(early + third) > torque(late - third):
-            early += third
-        else:
-            late -= third
-    return early, torque(early)
-
-
-def hand_torque_manual(road_wheel_angle: float) -> float:
-    """Hand torque that holds a road-wheel angle without the law (eq. 3 at rest) [N m]."""
-    return K_P * road_wheel_angle / I_RATIO
 
 
 def hand_torque_assisted(road_wheel_angle: float) -> float:

@@ -12,12 +12,9 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.shchur2019 import paper
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, Panel, panel
+from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.samples import Parameters, Runs, channel, run_named
+from ev_sim.measures.metric import Metric, Parameters, Runs, channel, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.verdict import metrics_at_hand
@@ -45,7 +42,10 @@ def panels(runs: Runs) -> dict[str, Panel]:
             lambda: [
                 after_step("object", _road_wheel_angle, "1: object, 5 N m by hand"),
                 after_step("closed_loop", _road_wheel_angle, "2: closed loop, 1 N m by hand"),
-                *(_published(lambda time, curve=curve: curve(time)[0]) for curve in (_object, _closed_loop)),
+                *(
+                    _published(lambda time, system=system: _answer(*system, time)[0])
+                    for system in (_OBJECT, _CLOSED_LOOP)
+                ),
             ],
         ),
         "b": panel(
@@ -62,20 +62,19 @@ def _published(quantity: Callable[[float], float]) -> Curve:
     return Curve(time, np.array([quantity(t) for t in time]), "published", published=True)
 
 
-def _object(time: float) -> tuple[float, float]:
-    """Angle [rad] and rate [rad/s] of curve 1."""
-    steady = paper.OBJECT.steady_angle(paper.I_RATIO * paper.HAND_TORQUE_OBJECT)
-    return steady * (1 + paper.OBJECT.deviation(time)), steady * paper.OBJECT.rate(time)
+# Of curves 1 and 2 what turns, and by which torque about the kingpins [N m].
+_OBJECT = paper.OBJECT, paper.I_RATIO * paper.HAND_TORQUE_OBJECT
+_CLOSED_LOOP = paper.CLOSED_LOOP, (1 + paper.GAMMA) * paper.I_RATIO * paper.HAND_TORQUE_CLOSED_LOOP
 
 
-def _closed_loop(time: float) -> tuple[float, float]:
-    """Angle [rad] and rate [rad/s] of curve 2."""
-    steady = paper.CLOSED_LOOP.steady_angle((1 + paper.GAMMA) * paper.I_RATIO * paper.HAND_TORQUE_CLOSED_LOOP)
-    return steady * (1 + paper.CLOSED_LOOP.deviation(time)), steady * paper.CLOSED_LOOP.rate(time)
+def _answer(system: paper.SecondOrder, torque: float, time: float) -> tuple[float, float]:
+    """Angle [rad] and rate [rad/s]."""
+    steady = system.steady_angle(torque)
+    return steady * (1 + system.deviation(time)), steady * system.rate(time)
 
 
 def _torque(time: float) -> float:
-    return paper.differential_torque(paper.HAND_TORQUE_CLOSED_LOOP, *_closed_loop(time))
+    return paper.differential_torque(paper.HAND_TORQUE_CLOSED_LOOP, *_answer(*_CLOSED_LOOP, time))
 
 
 def figures(runs: Runs) -> dict[str, Figure]:

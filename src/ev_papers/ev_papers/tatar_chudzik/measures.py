@@ -12,9 +12,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from ev_sim.measures import motion
-from ev_sim.measures.car_axes import tyre_force
-from ev_sim.measures.passing_speed import energy_since_turning_in, total_force, turning_in, when_passing
-from ev_sim.measures.samples import channel, run_named
+from ev_sim.measures.handling import energy_since_turning_in, total_force, turning_in, tyre_force, when_passing
+from ev_sim.measures.metric import channel, run_named
 from ev_sim.verdicts.need import ScenarioRuns
 
 LAYOUTS = ("front", "rear", "all")

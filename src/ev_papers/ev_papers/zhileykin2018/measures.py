@@ -27,14 +27,12 @@ from ev_msgs_py.contract.signals import (
     WheelStates,
 )
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
-from ev_papers.zhileykin2018 import grid, quantities
-from ev_papers.zhileykin2018.grid import REAR_DRIVE
-from ev_papers.zhileykin2018.quantities import LIMIT, NOMINAL, SHARES, SWING
+from ev_papers.zhileykin2018 import grid
+from ev_papers.zhileykin2018.grid import LIMIT, NOMINAL, REAR_DRIVE, SHARES, SWING
 from ev_sim.analysis.linear_models import SideSlipModel, side_slip_model
 from ev_sim.measures import handling, motion
-from ev_sim.measures.metric import NotMeasured
+from ev_sim.measures.metric import NotMeasured, channel, run_named
 from ev_sim.measures.motion import ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE, moving
-from ev_sim.measures.samples import channel, run_named
 from ev_sim.verdicts.need import ScenarioRuns, StudyCases
 
 STEERED = 3.0  # [s], the end of the third second, in which the steering wheel is turned
@@ -52,7 +50,7 @@ def initial_speed(driven: ScenarioRuns) -> float:
 
 def _front_shares(driven: ScenarioRuns) -> np.ndarray:
     """Front shares of all runs in which the law shares out the torque."""
-    return np.concatenate([quantities.front_share(run_named(driven.runs, name)) for name in grid.BY_LAW])
+    return np.concatenate([grid.front_share(run_named(driven.runs, name)) for name in grid.BY_LAW])
 
 
 def largest_front_share(driven: ScenarioRuns) -> float:
@@ -110,13 +108,13 @@ def last_speed(driven: ScenarioRuns, run: str) -> float:
 
 def off_the_circle(driven: ScenarioRuns, run: str) -> float:
     """Largest distance of the path from a circle once the steering is held [m]."""
-    return quantities.deviation_from_circle(run_named(driven.runs, run), STEERED)
+    return grid.deviation_from_circle(run_named(driven.runs, run), STEERED)
 
 
 def off_the_path(driven: ScenarioRuns, run: str) -> float:
     """Largest distance of the car from the path that its driver follows [m]."""
     driver = driven.parameters["driver"]
-    return quantities.off_the_path(run_named(driven.runs, run), driver["path.x"], driver["path.y"])
+    return grid.off_the_path(run_named(driven.runs, run), driver["path.x"], driver["path.y"])
 
 
 def rear_slides_out(driven: ScenarioRuns) -> bool:
@@ -134,7 +132,7 @@ def rear_slides_out(driven: ScenarioRuns) -> bool:
 
 def turn_arounds(driven: ScenarioRuns, share: str) -> float:
     """How often a share of the torque turns around."""
-    return quantities.turn_arounds(SHARES[share](run_named(driven.runs, NOMINAL)), SWING)
+    return grid.turn_arounds(SHARES[share](run_named(driven.runs, NOMINAL)), SWING)
 
 
 def cases(sweep: StudyCases) -> int:

@@ -7,15 +7,12 @@ the torque is shared.
 from __future__ import annotations
 
 from ev_core.vehicle.description import Vehicle
-from ev_papers.zhileykin2018.quantities import off_the_path
-from ev_papers.zhileykin2018.report import track
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import motion_panels
-from ev_sim.figures.plan_view import plan_view
+from ev_papers.zhileykin2018.grid import off_the_path
+from ev_papers.zhileykin2018.source import track
+from ev_sim.figures.drawing import Figure, motion_panels, sheet
+from ev_sim.figures.other_axes import plan_view
 from ev_sim.measures.handling import peak_sideslip
-from ev_sim.measures.metric import Metric, metric
-from ev_sim.measures.samples import Parameters, Runs, run_named
+from ev_sim.measures.metric import Metric, Parameters, Runs, metric, run_named
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:

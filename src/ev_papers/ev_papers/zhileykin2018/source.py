@@ -1,14 +1,84 @@
-"""The place of Zhileykin (2018) among the sources, what measures the numbers of published.csv, and the figures."""
+"""Zhileykin & Eranosyan (2018), figs 3 to 5: who spins on the way into a bend on ice with snow.
+
+Runs: `rear_drive` with an open differential, the 4x4 by the law with `k05`, `k1` and, with eq 4 as an equality,
+`equality`, `fixed_split` with a half for each axle, and `k1_estimated`, where the law observes the slip angles instead
+of knowing them.
+
+A source has its place ORDER, the functions MEASURES that measure the numbers of published.csv, and its PANELS.
+"""
 
 from __future__ import annotations
 
+import numpy as np
+
+from ev_core.vehicle.description import Vehicle
 from ev_papers.zhileykin2018 import measures
-from ev_papers.zhileykin2018.grid import BY_LAW, REAR_DRIVE
-from ev_papers.zhileykin2018.report import panels, track
-from ev_sim.figures.plan_view import plan_view
+from ev_papers.zhileykin2018.grid import BY_LAW, LIMIT, REAR_DRIVE, SCENARIO, SHARES, SWING, turn_arounds
+from ev_sim.figures.drawing import Curve, Figure, Panel, motion_panels, over_time, sheet
+from ev_sim.figures.other_axes import plan_view
+from ev_sim.measures import motion
+from ev_sim.measures.handling import peak_sideslip
+from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
+from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.check import measures_of
-from ev_sim.verdicts.need import ScenarioNeed
-from ev_sim.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time
+from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
+from ev_sim.verdicts.panels_page import PublishedPanel, cannot_be_drawn
+from ev_sim.verdicts.panels_page import over_time as drawn_over_time
+from ev_sim.verdicts.verdict import metrics_at_hand
+
+ESTIMATED = "k1_estimated"  # observes the slip angles instead of knowing them
+
+
+def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+    """What is judged on these runs alone; sideslip angles, speeds in the end, and turn-arounds of the law's shares."""
+    result = metrics_at_hand(SCENARIO, SCENARIO, ScenarioRuns(runs, vehicle, parameters))
+    for name in runs:
+        result[f"peak_sideslip_{name}"] = metric(lambda name=name: peak_sideslip(run_named(runs, name)), "rad")
+        result[f"holds_{name}"] = metric(lambda name=name: peak_sideslip(run_named(runs, name)) < LIMIT, "1")
+        result[f"final_speed_{name}"] = metric(lambda name=name: _speed(run_named(runs, name))[-1], "m/s")
+    for name in (*BY_LAW, ESTIMATED):
+        for share, values in SHARES.items():
+            result[f"turn_arounds_{share}_{name}"] = metric(
+                lambda name=name, values=values: turn_arounds(values(run_named(runs, name)), SWING), "1"
+            )
+    return result
+
+
+def _speed(run: Recording) -> np.ndarray:
+    """Along the path, whichever way the spinning car looks, (n,) [m/s]."""
+    return np.abs(motion.path_speed(run))
+
+
+def panels(runs: Runs) -> dict[str, Panel]:
+    """The panels of fig. 5 by their letter, for the runs by the law."""
+    by_law = {name: run for name, run in runs.items() if name in BY_LAW}
+    titles = {"h_n": "Front axle, h_n", "h_2": "Rear left, h_2", "h_4": "Rear right, h_4"}
+    return {
+        letter: over_time(by_law, titles[name], "share [1]", share)
+        for letter, (name, share) in zip("abc", SHARES.items(), strict=True)
+    }
+
+
+def track(runs: Runs, name: str) -> Curve:
+    """Path of the centre of mass, y over x [m], of a run (figs 3 and 4)."""
+    run = run_named(runs, name)
+    return Curve(channel(run, "pose.x"), channel(run, "pose.y"), name.replace("_", " "))
+
+
+def figures(runs: Runs) -> dict[str, Figure]:
+    """Paths (figs 3 and 4), shares (fig. 5), sideslip angle, yaw rate and speed."""
+    shown = {name: run for name, run in runs.items() if name != ESTIMATED}
+
+    more = [
+        *motion_panels(shown, "sideslip_angle"),
+        over_time(shown, "Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE)),
+        over_time(shown, "Speed", "speed [m/s]", _speed),
+    ]
+    return {
+        "fig3_fig4": plan_view("Path of the centre of mass", [track(runs, name) for name in shown]),
+        "fig5": sheet([*panels(runs).values(), *more], "time [s]"),
+    }
+
 
 ORDER = 4  # among the sources, in tables
 MEASURES = measures_of(measures)
@@ -27,7 +97,7 @@ def _paths(figure: str, title: str, *names: str) -> PublishedPanel:
 
 
 def _share(letter: str, most: float) -> PublishedPanel:
-    draw = over_time(lambda driven: panels(driven.runs)[letter], ends=(0.0, most))
+    draw = drawn_over_time(lambda driven: panels(driven.runs)[letter], ends=(0.0, most))
     return PublishedPanel("5", letter, "Shares of the drive torque", (f"zhil.fig5{letter}",), _BEND, draw)
 
 

@@ -11,11 +11,10 @@ import numpy as np
 
 from ev_papers.zhileykin2018 import grid
 from ev_papers.zhileykin2018.grid import CONTROLS
-from ev_papers.zhileykin2018.quantities import LIMIT as LIMIT
+from ev_papers.zhileykin2018.grid import LIMIT as LIMIT
 from ev_sim.measures import motion
 from ev_sim.measures.handling import peak_sideslip
-from ev_sim.measures.metric import Metric, metric
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import Metric, channel, metric
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results

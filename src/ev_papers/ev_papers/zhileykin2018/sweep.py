@@ -9,16 +9,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from ev_papers.zhileykin2018 import grid as grid
-from ev_papers.zhileykin2018.grid import ANGLES, FIXED, FORCES, REAR_DRIVE, SWEPT
-from ev_papers.zhileykin2018.quantities import LIMIT, SHARES
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.over_values import HeatMap, heat_maps
+from ev_papers.zhileykin2018.grid import ANGLES, FIXED, FORCES, LIMIT, REAR_DRIVE, SHARES, SWEPT
+from ev_sim.figures.drawing import Figure
+from ev_sim.figures.other_axes import heat_maps
 from ev_sim.measures.metric import Metric, metric
-from ev_sim.report.tables import text_table
 from ev_sim.study.study import Case, Results
 
 ABOUT = "Zhileykin 2018: drive force by steering angle on ice with snow, who spins with which control"
 COLUMNS = ("force [N]", "angle [deg]", *SWEPT)
+HEADING = f"largest sideslip angle [deg], ** where it passes {math.degrees(LIMIT):g} deg"
+LEFT = 0
 SUMS = ("cases", "rear_drive_spins", "holds_", "calm_")
 
 
@@ -70,15 +70,9 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     ]
 
 
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    table = text_table(COLUMNS, rows(given, results), left=())
-    return f"largest sideslip angle [deg], ** where it passes {math.degrees(LIMIT):g} deg\n{table}"
-
-
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """A map of the largest sideslip angle for each control."""
-    maps = [HeatMap(control.replace("_", " "), np.degrees(grid.of_all(results, control))) for control in SWEPT]
+    maps = {control.replace("_", " "): np.degrees(grid.of_all(results, control)) for control in SWEPT}
     return {
         "who_spins": heat_maps(
             maps,

@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018.grid import BY_LAW, CONTROLS, REAR_DRIVE, Values
 from ev_sim.measures.metric import Metric, metric
-from ev_sim.report.tables import text_table
 from ev_sim.study.study import Case, Results
 
 ABOUT = "Zhileykin 2018: the sweep with other tyres, cars and readings of the source, where the law holds"
 COLUMNS = ("variant", "rear drive spins in", *(f"{name} holds" for name in CONTROLS if name != REAR_DRIVE))
-SUMS = ()
+HEADING = f"of {grid.SIZE} cases: held of those in which rear drive spins (of all)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +58,8 @@ VARIANTS = (
 )
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """There are none: the variants are those of the page docs/zhileykin2018.md."""
-
-
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """The whole grid for every variant."""
+    """The whole grid for every variant, as on the page docs/zhileykin2018.md."""
     return [case for each in VARIANTS for case in grid.cases_of(each.controls, each.values, each.name)]
 
 
@@ -108,9 +103,3 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
         (each.title, str(_spins(results, each).sum()), *(shown(each, name) for name in CONTROLS if name != REAR_DRIVE))
         for each in VARIANTS
     ]
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    table = text_table(COLUMNS, rows(given, results), left=("variant",))
-    return f"of {grid.SIZE} cases: held of those in which rear drive spins (of all)\n{table}"

@@ -125,21 +125,9 @@ class SideSlipModel:
         return drive - self.longitudinal_acceleration / self.speed - self.moment_rate
 
     @property
-    def neutral_front_share(self) -> float:
-        """Front share h that makes the car steer neutrally without M_z: 2 J_z j cos(phi)/(L^2 X) [1] (eq 4)."""
-        return 2 * self.yaw_inertia * self.longitudinal_acceleration / (self.wheelbase**2 * self.drive_force)
-
-    @property
     def neutral_share_of_acceleration(self) -> float:
         """Front share h that makes the car steer neutrally if its drive alone accelerates it, 2 J_z/(m L^2) [1]."""
         return 2 * self.yaw_inertia / (self.mass * self.wheelbase**2)
-
-    @property
-    def neutral_rear_difference(self) -> float:
-        """Difference q of the rear shares that makes the car steer neutrally at this h < 1 (eq 7) [1]."""
-        needed = self.excitation + self.moment_rate
-        rear_moment = (1 - self.front_share) * self.drive_force * self.rear_track
-        return needed * self.yaw_inertia * self.yaw_rate / rear_moment
 
     def transfer_function(self) -> ZerosPolesGain:
         """W12(s) = dA/Theta = N/(D + s), with dA = d2 - d1 (eq 3, and eq 6 with M_z).
@@ -148,28 +136,9 @@ class SideSlipModel:
         """
         return ZerosPolesGain([], [-self.damping], self.excitation)
 
-    def state_space(self) -> StateSpace:
-        """States and outputs d1, d2, input Theta, all in rad (eqs 1 and 2)."""
-        length, speed = self.wheelbase, self.speed
-        turn, growth = speed / length, self.longitudinal_acceleration / speed
-        lever = length**2 / (4 * self.yaw_inertia)
-        same, cross = 1 / self.mass + lever, 1 / self.mass - lever
-        stiffness, force = self.axle_cornering_stiffness / speed, self.front_share * self.drive_force / speed
-        moment = self.moment_rate / 2
-        a = [
-            [-turn - stiffness * same - growth - moment, turn - stiffness * cross + moment],
-            [-turn - stiffness * cross + moment, turn - stiffness * same - growth - moment],
-        ]
-        b = [[turn + growth - force * same + moment], [turn - force * cross - moment]]
-        return StateSpace(np.array(a), np.array(b), np.eye(2), np.zeros((2, 1)))
-
     def response_with_steering_rate(self, frequency: np.ndarray) -> np.ndarray:
         """(N - j w)/(D + j w) [1]: W12 with the rate of the steering angle in d1', which the source drops."""
         return (self.excitation - 1j * frequency) / (self.damping + 1j * frequency)
-
-    def magnitude(self, frequency: np.ndarray) -> np.ndarray:
-        """|W12(j w)| [1] at circular frequencies [rad/s] (eq 3)."""
-        return abs(self.excitation) / np.hypot(frequency, self.damping)
 
 
 def side_slip_model(

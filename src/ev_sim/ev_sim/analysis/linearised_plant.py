@@ -19,8 +19,7 @@ from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_sim.analysis.linear_models import SideSlipModel
-from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
-from ev_sim.figures.figure import Figure, new_figure
+from ev_sim.figures.drawing import STROKES, TEXT_SIZE, Figure, name_axes, new_figure
 from ev_sim.plant.planar.body import Equations
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, INTEGRATED_SIZE, VX, VY, YAW_RATE, index
@@ -200,19 +199,12 @@ def bode_figure(model: SideSlipModel, plant: LinearisedPlant) -> Figure:
         colour, dashes = STROKES[number]
         magnitude.semilogx(_FREQUENCIES, decibels, color=colour, linestyle=dashes, linewidth=1.2, label=label)
         phase.semilogx(_FREQUENCIES, degrees, color=colour, linestyle=dashes, linewidth=1.2)
-    magnitude.set_title(
-        f"Slip angles of rear minus front axle over the road-wheel angle, {model.speed:g} m/s",
-        loc="left",
-        fontsize=TITLE_SIZE,
-    )
-    magnitude.set_ylabel("magnitude [dB]", fontsize=TEXT_SIZE)
-    phase.set_ylabel("phase [deg]", fontsize=TEXT_SIZE)
-    phase.set_xlabel("frequency [Hz]", fontsize=TEXT_SIZE)
+    title = f"Slip angles of rear minus front axle over the road-wheel angle, {model.speed:g} m/s"
+    name_axes(magnitude, title, ylabel="magnitude [dB]", grid="", pad=6.0)
+    name_axes(phase, "", "frequency [Hz]", "phase [deg]", grid="", pad=6.0)
     magnitude.legend(fontsize=TEXT_SIZE, frameon=False)
     for axes in (magnitude, phase):
-        axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
         axes.grid(True, which="both", color="0.9", linewidth=0.6)
-        axes.spines[["top", "right"]].set_visible(False)
     return figure
 
 

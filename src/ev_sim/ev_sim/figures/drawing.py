@@ -1,61 +1,119 @@
-"""Sheets of time series."""
+"""Sheets of time series: what their panels show, and how they are drawn."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import cycle, product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ev_sim.figures.figure import DPI, Axes, Figure, new_figure
-from ev_sim.figures.panels import Curve, Panel
+from ev_sim.figures.thinning import chatter, thinned
+from ev_sim.measures import motion
+from ev_sim.measures.metric import NotMeasured, Runs, channel
+from ev_sim.recording.recording import Recording
 
-PIXELS = 10  # of a bin
-SWINGS = 3  # across the values of a bin, from which on a line would fill it with ink
-SMALL = 0.08  # share of the range of all values below which a bin is a line all the same
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+else:
+    Axes = Figure = Any
+
+DPI = 110
+
+
+def new_figure(width: float, height: float, layout: str | None = None) -> Figure:
+    """An empty figure of a size [inch]; `layout` names an engine of matplotlib."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), dpi=DPI, layout=layout)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Chatter:
-    """Bins of a curve: their instants (bins + 1,), lowest, highest and mean values (bins,), NaN where a line will do.
+class Curve:
+    """Samples (n,) over time (n,) [s]; the label names the curve where a panel holds several.
 
-    `line`: the samples (n,) without those that stand in bins, NaN in their place.
+    `published`: what the source says, not a run.
     """
 
-    edges: np.ndarray
-    lowest: np.ndarray
-    highest: np.ndarray
-    mean: np.ndarray
-    line: np.ndarray
+    time: np.ndarray
+    values: np.ndarray
+    label: str = ""
+    published: bool = False
 
 
-def chatter(time: np.ndarray, values: np.ndarray, columns: int) -> Chatter | None:
-    """Where values (n,) over time (n,) chatter when they are drawn `columns` pixels wide; None if nowhere."""
-    count = max(columns // PIXELS, 1)
-    size = len(values) // count
-    if size <= SWINGS:
-        return None
-    whole = len(values) // size * size
-    bins = values[:whole].reshape(-1, size)
-    lowest, highest = bins.min(axis=1), bins.max(axis=1)
-    spread = highest - lowest
-    finite = values[np.isfinite(values)]
-    way = np.abs(np.diff(bins, axis=1)).sum(axis=1)
-    dense = (way > SWINGS * spread) & (spread > SMALL * (np.ptp(finite) if len(finite) else 0.0))
-    for apart in (1, 2):  # one or two bins in between are no line either
-        between = dense[: -apart - 1] & dense[apart + 1 :]
-        for n in range(1, apart + 1):
-            dense[n : len(dense) - apart - 1 + n] |= between
-    if not dense.any():
-        return None
-    in_bins = np.zeros(len(values), bool)
-    in_bins[:whole] = np.repeat(dense, size)
-    in_bins[1:] &= in_bins[:-1]  # the line goes on until the band begins
-    edges = np.append(time[:whole:size], time[whole - 1])
-    of_bins = (np.where(dense, each, np.nan) for each in (lowest, highest, bins.mean(axis=1)))
-    return Chatter(edges, *of_bins, np.where(in_bins, np.nan, values))
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """One pair of axes: `ylabel` gives quantity and unit, `note` says why there is nothing to see.
+
+    Panels of a sheet with the same `scale` have the same ordinate. `within`: the ends beyond which a curve may leave
+    the panel, so that the others are seen.
+    """
+
+    title: str
+    ylabel: str
+    curves: Sequence[Curve]
+    note: str = ""
+    scale: str = ""
+    within: tuple[float, float] | None = None
+
+
+def panel(
+    title: str,
+    ylabel: str,
+    curves: Callable[[], Sequence[Curve]],
+    scale: str = "",
+    within: tuple[float, float] | None = None,
+) -> Panel:
+    """The panel with these curves, or with the reason why they cannot be computed."""
+    try:
+        return Panel(title, ylabel, curves(), scale=scale, within=within)
+    except NotMeasured as why:
+        return Panel(title, ylabel, (), f"not measured: {why}")
+
+
+def level(value: float, start: float, end: float, label: str = "published") -> Curve:
+    """A published number as the line that a curve should keep to from `start` to `end` [s]."""
+    return Curve(np.array([start, end]), np.array([value, value]), label, published=True)
+
+
+Quantity = Callable[[Recording], np.ndarray]
+
+
+def degrees(quantity: Quantity) -> Quantity:
+    """An angle [rad] in degrees."""
+    return lambda run: np.degrees(quantity(run))
+
+
+# Title, ordinate and quantity in its unit.
+MOTION: dict[str, tuple[str, str, Quantity]] = {
+    "steering_wheel_angle": (
+        "Steering-wheel angle",
+        "angle [deg]",
+        degrees(lambda run: channel(run, motion.STEERING_WHEEL_ANGLE)),
+    ),
+    "yaw_rate": ("Yaw rate", "yaw rate [deg/s]", degrees(lambda run: channel(run, motion.YAW_RATE))),
+    "lateral_acceleration": ("Lateral acceleration", "acceleration [m/s²]", motion.lateral_acceleration_on_path),
+    "sideslip_angle": ("Sideslip angle", "angle [deg]", degrees(motion.sideslip_angle)),
+}
+
+
+def over_time(
+    runs: Runs, title: str, ylabel: str, quantity: Quantity, within: tuple[float, float] | None = None
+) -> Panel:
+    """A quantity of every run, labelled with the name of the run if there are several."""
+
+    def curves() -> list[Curve]:
+        labels = [name.replace("_", " ") if len(runs) > 1 else "" for name in runs]
+        return [Curve(run.time, quantity(run), label) for label, run in zip(labels, runs.values(), strict=True)]
+
+    return panel(title, ylabel, curves, within=within)
+
+
+def motion_panels(runs: Runs, *names: str) -> list[Panel]:
+    """Some quantities of MOTION of every run."""
+    return [over_time(runs, *MOTION[name]) for name in names]
 
 
 PANEL_WIDTH, PANEL_HEIGHT = 4.6, 1.9  # of a panel with its labels [inch]
@@ -81,8 +139,35 @@ _FIRST = (
 # Behind them all that are left, for as many laws as there may be.
 STROKES = tuple(dict.fromkeys((*_FIRST, *product([colour for colour, _ in _FIRST], (SOLID, DASHED, DOTTED, MIXED)))))
 CHARACTER, STROKE = 0.06, 0.37  # width of a letter of a legend, and of a stroke with its gaps [inch]
+NARROW_LEGEND: dict[str, Any] = {
+    "frameon": False, "borderaxespad": 0.0, "columnspacing": 1.0, "handlelength": 1.8, "handletextpad": 0.4
+}  # fmt: skip
 BAND = "band: lowest to highest, line: mean"
 LEGEND_COLUMNS, LEGEND_ROW = 5, 0.17  # of that legend, the height of a row in [inch]
+
+
+def name_axes(
+    axes: Axes,
+    title: str,
+    xlabel: str = "",
+    ylabel: str = "",
+    *,
+    ticks: float = 2.5,
+    grid: str = "both",
+    pad: float = 3.0,
+) -> None:
+    """Title and labels in the letters of all figures, and no frame at the top and on the right.
+
+    `ticks`: how long they are [pt]; `grid`: of which axis there are lines, both, x or y, empty for none; `pad`: between
+    title and axes [pt].
+    """
+    axes.set_title(title, loc="left", fontsize=TITLE_SIZE, pad=pad)
+    axes.set_xlabel(xlabel, fontsize=TEXT_SIZE)
+    axes.set_ylabel(ylabel, fontsize=TEXT_SIZE)
+    axes.tick_params(labelsize=TEXT_SIZE, length=ticks)
+    if grid:
+        axes.grid(True, axis=grid, color="0.88", linewidth=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
 
 
 def sheet(
@@ -126,23 +211,6 @@ def sheet(
     return figure
 
 
-def thinned(time: np.ndarray, values: np.ndarray, columns: int) -> tuple[np.ndarray, np.ndarray]:
-    """Samples that draw the same line at `columns` pixels: the lowest and the highest of each, and both ends.
-
-    NaN counts as lowest and highest, so a gap stays a gap. Short series come back as they are.
-    """
-    size = len(values) // columns
-    if size <= 4:
-        return time, values
-    whole = len(values) // size * size
-    first = np.arange(0, whole, size)
-    bins = values[:whole].reshape(-1, size)
-    lowest, highest = first + bins.argmin(axis=1), first + bins.argmax(axis=1)
-    # The rest behind the last whole bin is shorter than one bin: keep all of it.
-    kept = np.unique(np.concatenate(([0], lowest, highest, np.arange(whole, len(values)), [len(values) - 1])))
-    return time[kept], values[kept]
-
-
 def _time_limits(panels: Sequence[Panel], start: float | None) -> tuple[float, float]:
     times = [curve.time for panel in panels for curve in panel.curves if len(curve.time)]
     begin = min((float(time[0]) for time in times), default=0.0) if start is None else start
@@ -175,32 +243,17 @@ def _draw(axes: Axes, panel: Panel, width: float, span: tuple[float, float] | No
     ours = [curve for curve in panel.curves if not curve.published]
     for curve, (colour, dashes) in zip(ours, cycle(STROKES), strict=False):
         _draw_curve(axes, curve, columns, {"color": colour, "linestyle": dashes, "linewidth": 1.2})
-    named = False  # all that is published is one entry of the legend
-    for curve in (curve for curve in panel.curves if curve.published):
-        label = "_" if named else curve.label
+    for number, curve in enumerate(curve for curve in panel.curves if curve.published):
+        label = "_" if number else curve.label  # all that is published is one entry of the legend
         axes.plot(curve.time, curve.values, color="black", linestyle=DOTTED, linewidth=1.6, zorder=3, label=label)
-        named = True
-    axes.set_title(panel.title, loc="left", fontsize=TITLE_SIZE, pad=3)
-    axes.set_ylabel(panel.ylabel, fontsize=TEXT_SIZE)
+    name_axes(axes, panel.title, ylabel=panel.ylabel)
     axes.yaxis.set_label_coords(-0.5 / (width - 0.85), 0.5)  # in line with the panels above and below
-    axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
     axes.locator_params(nbins=6)
-    axes.grid(True, color="0.88", linewidth=0.6)
-    axes.spines[["top", "right"]].set_visible(False)
     if panel.note:
         axes.text(0.5, 0.5, panel.note, transform=axes.transAxes, ha="center", fontsize=TEXT_SIZE, color="0.4")
     own_legend = any(curve.label for curve in panel.curves) and _legend_fits(panel, width)
     if own_legend:
-        axes.legend(
-            loc="upper right",
-            fontsize=TEXT_SIZE,
-            frameon=False,
-            ncols=len(_labels(panel)),
-            borderaxespad=0.0,
-            handlelength=1.8,
-            handletextpad=0.4,
-            columnspacing=1.0,
-        )
+        axes.legend(loc="upper right", fontsize=TEXT_SIZE, ncols=len(_labels(panel)), **NARROW_LEGEND)
     if span:
         _leave_room(axes, *span, own_legend)
 

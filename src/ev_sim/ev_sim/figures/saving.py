@@ -5,21 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ev_sim.figures.figure import Axes, Figure
+from ev_sim.figures.drawing import NARROW_LEGEND, Axes, Figure
 from ev_sim.recording.recording import atomic_file
 
-WIDTH = 3.5  # of a column [inch]
-LEFT, RIGHT, BOTTOM = 0.58, 0.08, 0.4  # margins [inch]
-TITLE, BETWEEN, LEGEND_ROW = 0.24, 0.1, 0.145  # above axes, below axes without labels, and per row of a legend [inch]
-TICK_LINE = 0.11  # of labels of ticks that have more than one [inch]
-LOWEST_MAP, HIGHEST = 0.7, 3.2  # of axes [inch]
-TITLE_SIZE, TEXT_SIZE = 8.0, 7.0  # [pt]
-CHARACTER, STROKE = 0.055, 0.4  # of a legend: width of a letter, of a stroke with its gaps [inch]
-_PLOT = WIDTH - LEFT - RIGHT
+_WIDTH = 3.5  # of a column [inch]
+_LEFT, _RIGHT, _BOTTOM = 0.58, 0.08, 0.4  # margins [inch]
+_TITLE, _BETWEEN, _LEGEND_ROW = (
+    0.24,
+    0.1,
+    0.145,
+)  # above axes, below those without labels, row of a legend [inch]
+_TICK_LINE = 0.11  # of labels of ticks that have more than one [inch]
+_LOWEST_MAP, _HIGHEST = 0.7, 3.2  # of axes [inch]
+_TITLE_SIZE, _TEXT_SIZE = 8.0, 7.0  # [pt]
+_CHARACTER, _STROKE = 0.055, 0.4  # of a legend: width of a letter, of a stroke with its gaps [inch]
+_PLOT = _WIDTH - _LEFT - _RIGHT
 
 
 def as_column(figure: Figure) -> None:
-    """Stack the axes of a figure in reading order, `WIDTH` wide, with text that can be read in print.
+    """Stack the axes of a figure in reading order, `_WIDTH` wide, with text that can be read in print.
 
     Axes keep their height, those of maps their scale; an abscissa that all share is labelled at the bottom only.
     Legends move above their axes, in as many rows as they need.
@@ -35,39 +39,38 @@ def as_column(figure: Figure) -> None:
     if all(legends) and len({tuple(legend) for legend in legends}) == 1 and len(legends) > 1:
         common, legends = {**common, **legends[0]}, [{} for _ in legends]  # one for all
     shared = len({axes.get_xlim() for axes in figure.axes}) == 1
-    below = [_foot(axes) if not shared or axes is figure.axes[-1] else BETWEEN for axes in figure.axes]
+    below = [_foot(axes) if not shared or axes is figure.axes[-1] else _BETWEEN for axes in figure.axes]
     above = [
-        (TITLE if _has_title(axes) else 0.0) + _rows(legend) * LEGEND_ROW
+        (_TITLE if _has_title(axes) else 0.0) + _rows(legend) * _LEGEND_ROW
         for axes, legend in zip(figure.axes, legends, strict=True)
     ]
-    total = sum(heights) + sum(below) + sum(above) + _rows(common) * LEGEND_ROW + 0.08
-    figure.set_size_inches(WIDTH, total)
-    top = total - _rows(common) * LEGEND_ROW - 0.08
+    total = sum(heights) + sum(below) + sum(above) + _rows(common) * _LEGEND_ROW + 0.08
+    figure.set_size_inches(_WIDTH, total)
+    top = total - _rows(common) * _LEGEND_ROW - 0.08
     for axes, height, legend, room, foot in zip(figure.axes, heights, legends, above, below, strict=True):
         top -= room + height
-        axes.set_position((LEFT / WIDTH, top / total, _PLOT / WIDTH, height / total))
-        _restyle(axes, legend, foot > BETWEEN, figure.axes)
+        axes.set_position((_LEFT / _WIDTH, top / total, _PLOT / _WIDTH, height / total))
+        _restyle(axes, legend, foot > _BETWEEN, figure.axes)
         top -= foot
     if common:
         figure.legend(
-            common.values(), common, loc="upper center", bbox_to_anchor=(0.5, 1.0 - 0.06 / total), frameon=False,
-            ncols=_columns(common), fontsize=TEXT_SIZE,
-            borderaxespad=0.0, borderpad=0.1, columnspacing=1.0, handlelength=1.8, handletextpad=0.4,
+            common.values(), common, loc="upper center", bbox_to_anchor=(0.5, 1.0 - 0.06 / total),
+            ncols=_columns(common), fontsize=_TEXT_SIZE, borderpad=0.1, **NARROW_LEGEND,
         )  # fmt: skip
 
 
 def _height(axes: Axes, inches: float) -> float:
     aspect = axes.get_aspect()
     if aspect == "auto":
-        return min(axes.get_position().height * inches, HIGHEST)
+        return min(axes.get_position().height * inches, _HIGHEST)
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     axes.set_aspect(aspect, adjustable="datalim")
-    return min(max(_PLOT * aspect * (high - low) / (right - left), LOWEST_MAP), HIGHEST)
+    return min(max(_PLOT * aspect * (high - low) / (right - left), _LOWEST_MAP), _HIGHEST)
 
 
 def _foot(axes: Axes) -> float:
     """What stands below axes: label, ticks and their further lines [inch]."""
-    return BOTTOM + TICK_LINE * max((label.get_text().count("\n") for label in axes.get_xticklabels()), default=0)
+    return _BOTTOM + _TICK_LINE * max((label.get_text().count("\n") for label in axes.get_xticklabels()), default=0)
 
 
 def _entries(axes: Axes) -> dict[str, object]:
@@ -80,7 +83,7 @@ def _has_title(axes: Axes) -> bool:
 
 
 def _columns(legend: dict[str, object]) -> int:
-    widest = max(map(len, legend)) * CHARACTER + STROKE
+    widest = max(map(len, legend)) * _CHARACTER + _STROKE
     return max(1, min(len(legend), int(_PLOT / widest)))
 
 
@@ -93,16 +96,15 @@ def _restyle(axes: Axes, legend: dict[str, object], labelled: bool, all_axes: Se
         axes.get_legend().remove()
     if legend:
         axes.legend(
-            legend.values(), legend, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=_columns(legend), frameon=False,
-            fontsize=TEXT_SIZE, borderaxespad=0.0, borderpad=0.1, columnspacing=1.0, handlelength=1.8,
-            handletextpad=0.4,
+            legend.values(), legend, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=_columns(legend),
+            fontsize=_TEXT_SIZE, borderpad=0.1, **NARROW_LEGEND,
         )  # fmt: skip
     for place in ("left", "center", "right"):
         if text := axes.get_title(loc=place):
-            axes.set_title(text, loc=place, fontsize=TITLE_SIZE, pad=3 + _rows(legend) * LEGEND_ROW * 72)
-    axes.tick_params(labelsize=TEXT_SIZE, labelbottom=labelled, labelleft=True)
-    axes.set_xlabel((axes.get_xlabel() or all_axes[-1].get_xlabel()) if labelled else "", fontsize=TEXT_SIZE)
-    axes.yaxis.label.set(text=axes.get_ylabel() or all_axes[0].get_ylabel(), fontsize=TEXT_SIZE)
+            axes.set_title(text, loc=place, fontsize=_TITLE_SIZE, pad=3 + _rows(legend) * _LEGEND_ROW * 72)
+    axes.tick_params(labelsize=_TEXT_SIZE, labelbottom=labelled, labelleft=True)
+    axes.set_xlabel((axes.get_xlabel() or all_axes[-1].get_xlabel()) if labelled else "", fontsize=_TEXT_SIZE)
+    axes.yaxis.label.set(text=axes.get_ylabel() or all_axes[0].get_ylabel(), fontsize=_TEXT_SIZE)
     if axes.yaxis.label.get_rotation() > 0.0:  # the name of a strip lies at its own place
         axes.yaxis.set_label_coords(-0.48 / _PLOT, 0.5)
 

@@ -14,12 +14,9 @@ from ev_core.vehicle.car import GRAVITY
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import wheel_inertias
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, over_time, panel
+from ev_sim.figures.drawing import Curve, Figure, over_time, panel, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, Reference, metric, within
-from ev_sim.measures.samples import Parameters, Runs, channel
+from ev_sim.measures.metric import Metric, NotMeasured, Parameters, Reference, Runs, channel, metric, within
 from ev_sim.recording.recording import Recording
 
 INTERVAL = 1.0  # [s]

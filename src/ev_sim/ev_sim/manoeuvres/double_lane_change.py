@@ -7,14 +7,11 @@ from functools import partial
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, motion_panels
-from ev_sim.figures.plan_view import plan_view
+from ev_sim.figures.drawing import Curve, Figure, motion_panels, sheet
+from ev_sim.figures.other_axes import plan_view
 from ev_sim.measures import motion
 from ev_sim.measures.lane_change_course import DOUBLE_LANE_CHANGE, Course, cones, edges, hit_cones, lanes, side_of
-from ev_sim.measures.metric import Metric, metric
-from ev_sim.measures.samples import Runs, channel
+from ev_sim.measures.metric import Metric, Runs, channel, metric
 from ev_sim.recording.recording import Recording
 
 

@@ -5,12 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, over_time, panel
+from ev_sim.figures.drawing import Curve, Figure, over_time, panel, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, metric
-from ev_sim.measures.samples import Runs, channel
+from ev_sim.measures.metric import Metric, NotMeasured, Runs, channel, metric
 from ev_sim.recording.recording import Recording
 
 ROLLING_SPEED = 0.1  # [m/s], above it the car has pulled away and slip is more than the first turn of a wheel

@@ -7,13 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, degrees, motion_panels, over_time, panel
-from ev_sim.figures.plan_view import plan_view
+from ev_sim.figures.drawing import Curve, Figure, degrees, motion_panels, over_time, panel, sheet
+from ev_sim.figures.other_axes import plan_view
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, metric
-from ev_sim.measures.samples import Runs, channel, run_named
+from ev_sim.measures.metric import Metric, NotMeasured, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
 
 

@@ -13,12 +13,9 @@ import re
 import numpy as np
 
 from ev_core.vehicle.car import GRAVITY
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, motion_panels, over_time, panel
+from ev_sim.figures.drawing import Curve, Figure, motion_panels, over_time, panel, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotJudged, NotMeasured, metric
-from ev_sim.measures.samples import Runs, channel, run_named
+from ev_sim.measures.metric import Metric, NotJudged, NotMeasured, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.slow_ramp import angle_at
 

@@ -14,13 +14,10 @@ from collections.abc import Callable
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, Panel, panel
-from ev_sim.figures.plan_view import plan_view
+from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
+from ev_sim.figures.other_axes import plan_view
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, Reference, metric, within
-from ev_sim.measures.samples import Runs, channel
+from ev_sim.measures.metric import Metric, NotMeasured, Reference, Runs, channel, metric, within
 from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 from ev_sim.recording.recording import Recording
 

@@ -10,12 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import motion_panels
+from ev_sim.figures.drawing import Figure, motion_panels, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, metric
-from ev_sim.measures.samples import Runs, channel, last, mean_between
+from ev_sim.measures.metric import Metric, NotMeasured, Runs, channel, last, mean_between, metric
 from ev_sim.recording.recording import Recording
 
 STEADY_WINDOW = 1.0  # [s]

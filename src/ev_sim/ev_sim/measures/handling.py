@@ -1,23 +1,58 @@
-"""What a control law does for the handling of a car and what that costs, as one number each, in any manoeuvre."""
+"""Forces, slip and work of the wheels, and what a control law does for the handling of a car and costs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
-from ev_core.vehicle.car import GRAVITY
+from ev_core.vehicle.car import GRAVITY, front_wheel_tangents
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.measures import motion
-from ev_sim.measures.car_axes import wheel_directions
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import NotMeasured, channel
+from ev_sim.measures.motion import distance_on_path
 from ev_sim.measures.understeer import understeer_gradient
 from ev_sim.plant.planar.given import wheel_places
 from ev_sim.recording.recording import Recording
-from ev_sim.surfaces import Surface, curve_on_road, tyre_on_road
+from ev_sim.surfaces import SURFACES, Surface, curve_on_road, tyre_on_road
 from ev_sim.tyres.curve import peak_slip
+
+
+class Direction(NamedTuple):
+    """Cosine and sine of a wheel's angle against the car, (n,) [1]."""
+
+    cosine: np.ndarray
+    sine: np.ndarray
+
+
+class Force(NamedTuple):
+    """Force of the road on a tyre to the front and to the left of the car, (n,) [N]."""
+
+    x: np.ndarray
+    y: np.ndarray
+
+
+def wheel_directions(run: Recording, vehicle: Vehicle) -> Mapping[str, Direction]:
+    """Where each wheel points, by the vehicle's steering geometry and what turns its rear wheels."""
+    mean = channel(run, motion.ROAD_WHEEL_ANGLE)
+    apart = run.channels.get("rear_steering.state.angle", 0.0)
+    angle, rear = np.tan(mean), np.tan(vehicle.rear_steering_ratio * mean + apart)
+    parallel = float(vehicle.steering_geometry == "parallel")
+    tangents = (*front_wheel_tangents(angle, vehicle.wheelbase, vehicle.front_track, parallel), rear, rear)
+    cosines = (1 / np.hypot(1.0, tangent) for tangent in tangents)
+    return {
+        wheel: Direction(cosine, tangent * cosine)
+        for wheel, tangent, cosine in zip(WHEEL_NAMES, tangents, cosines, strict=True)
+    }
+
+
+def tyre_force(run: Recording, wheel: str, vehicle: Vehicle) -> Force:
+    """F_x = F_p cos d - F_b sin d, F_y = F_p sin d + F_b cos d of a wheel (Tatar & Chudzik, eq 4)."""
+    along, across = (channel(run, f"tire_forces.{kind}_force.{wheel}") for kind in ("longitudinal", "lateral"))
+    cosine, sine = wheel_directions(run, vehicle)[wheel]
+    return Force(along * cosine - across * sine, along * sine + across * cosine)
 
 
 def peak_sideslip(run: Recording) -> float:
@@ -107,3 +142,54 @@ def _peak_slips(vehicle: Vehicle, surfaces: Iterable[Surface]) -> Mapping[float,
 
 def _of_wheels(run: Recording, quantity: str) -> np.ndarray:
     return np.array([channel(run, f"{quantity}.{wheel}") for wheel in WHEEL_NAMES])
+
+
+def turning_in(run: Recording) -> int:
+    """The first sample with turned front wheels; NotMeasured if there is none."""
+    return motion.first(channel(run, motion.ROAD_WHEEL_ANGLE) != 0.0, "steering")
+
+
+def when_passing(run: Recording, speed: float, values: np.ndarray) -> float:
+    """The value of (n,) at the instant at which the run passes a speed [m/s] after turning in."""
+    start, actual = turning_in(run), motion.path_speed(run)
+    if actual[start] >= speed:
+        raise NotMeasured(f"the car is faster than {speed:g} m/s before the bend")
+    time = motion.crossing_time(run.time[start:], actual[start:], speed, f"{speed:g} m/s")
+    return motion.value_at(run, values, time)
+
+
+def total_force(run: Recording) -> np.ndarray:
+    """Sum of the magnitudes of the four tyre forces in the plane of the road, (n,) [N]."""
+    along, across = (_of_wheels(run, f"tire_forces.{kind}_force") for kind in ("longitudinal", "lateral"))
+    return np.hypot(along, across).sum(axis=0)
+
+
+def energy_since_turning_in(run: Recording) -> np.ndarray:
+    """Work of the drives at the wheels since the front wheels are turned, (n,) [J]."""
+    work = drive_work(run)
+    return work - work[turning_in(run)]
+
+
+def time_since_turning_in(run: Recording) -> np.ndarray:
+    """Time since the front wheels are turned, (n,) [s]."""
+    return run.time - run.time[turning_in(run)]
+
+
+def surfaces_under(run: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
+    """The surface of the table whose friction comes closest to that under the wheel, at each sample, (n,) str.
+
+    The closest one, for a sensor may add noise. Surfaces whose friction is the same for the tyre are not told apart,
+    and those of one's own are not known here.
+    """
+    friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
+    available = np.array([tyre_on_road(vehicle.tyre, name).friction for name in SURFACES])
+    return np.array(tuple(SURFACES))[np.abs(friction[:, None] - available).argmin(axis=1)]
+
+
+def share_of(run: Recording, vehicle: Vehicle, wheel: str, prefix: str) -> float:
+    """Share of the driven distance on which surfaces lay whose name begins so, under the wheel [1]."""
+    distance = distance_on_path(run)
+    if distance[-1] <= 0.0:
+        raise NotMeasured("the car has not moved")
+    on_it = np.char.startswith(surfaces_under(run, vehicle, wheel)[1:], prefix)
+    return float(np.diff(distance)[on_it].sum() / distance[-1])

@@ -8,7 +8,7 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_sim.measures import motion
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import channel
 from ev_sim.recording.recording import Recording
 
 CONES = 4  # on each side of a lane, its ends included

@@ -1,11 +1,20 @@
-"""A number that a run yields, beside the published one and the verdict on it."""
+"""A number that a run yields beside the published one, reading samples for it, and metrics of any scenario."""
 
 from __future__ import annotations
 
 import math
+import re
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ev_core.bus.parameters import CIRCUITS
+from ev_msgs_py.contract import frame
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_sim.recording.recording import Recording
 
 Band = tuple[float, float]  # an end that is not finite is open
 REPRODUCED = "reproduced"
@@ -130,3 +139,107 @@ def within(value: float, *, relative: float = 0.0, absolute: float = 0.0) -> Ban
     """The band around a published value, by a fraction of it and by a distance in its unit (their sum)."""
     half = abs(value) * relative + absolute
     return value - half, value + half
+
+
+Runs = Mapping[str, Recording]  # name of the run -> its signals
+Parameters = Mapping[str, Mapping[str, Any]]  # node -> dotted parameter name -> value
+TYRES = "tire_forces."  # begins the channels that only a plant with tyres has
+
+
+def run_named(runs: Runs, name: str) -> Recording:
+    """The run of a scenario; NotMeasured if it was not driven."""
+    if name not in runs:
+        raise NotMeasured(f"there is no run {name}")
+    return runs[name]
+
+
+def channel(recording: Recording, name: str) -> np.ndarray:
+    """The samples of a channel, (n,); NotMeasured if the channel is missing, empty, not finite or not the truth."""
+    if name in recording.unknown:
+        raise NotMeasured(f"{name} was recorded as its sensor shows it, and what is true is not known")
+    if name not in recording.channels:
+        raise NotMeasured("the plant has no tyres" if name.startswith(TYRES) else f"{name} was not recorded")
+    values = recording.channels[name]
+    if not len(values):
+        raise NotMeasured("the run has no samples")
+    if not np.isfinite(values).all():
+        raise NotMeasured(f"{name} is not finite at {recording.time[~np.isfinite(values)][0]:g} s")
+    return values
+
+
+def mean_between(recording: Recording, values: np.ndarray, start: float, end: float) -> float:
+    """Mean over start <= time < end [s]; NotMeasured if the run does not cover the window.
+
+    The end is left out because at this instant the driver already answers to what comes next.
+    """
+    time = recording.time
+    if not len(time):
+        raise NotMeasured("the run has no samples")
+    # Stamps are multiples of the period: rounding must not move a sample over the edge of the window.
+    rounding = 1e-9
+    if time[0] > start + rounding or time[-1] < end - rounding:
+        raise NotMeasured(
+            f"the run lasts from {time[0]:g} s to {time[-1]:g} s, the window from {start:g} s to {end:g} s"
+        )
+    inside = (time >= start - rounding) & (time < end - rounding)
+    if not inside.any():
+        raise NotMeasured(f"there is no sample from {start:g} s to {end:g} s")
+    return float(values[inside].mean())
+
+
+def last(recording: Recording, window: float) -> tuple[float, float]:
+    """Start and end of the last `window` seconds of the run [s]."""
+    if not len(recording.time):
+        raise NotMeasured("the run has no samples")
+    end = float(recording.time[-1])
+    return end - window, end
+
+
+REDUCTIONS = {
+    "minimum": np.min,
+    "maximum": np.max,
+    "largest_magnitude": lambda values: np.abs(values).max(),
+    "last": lambda values: values[-1],
+    "mean": np.mean,
+    "root_mean_square": lambda values: np.sqrt(np.mean(values * values)),
+}
+_FORM = re.compile(r"\s*(\w+)\s*=\s*(\w+)\s*\(\s*([\w.]+)\s*\)\s*")
+
+
+def parsed(text: str) -> tuple[str, str, str]:
+    """Name, reduction and channel of a metric; ParameterError if one of them is none."""
+    found = _FORM.fullmatch(text)
+    if found is None:
+        raise ParameterError(f"metrics: {quoted(text)} is refused, allowed is NAME = REDUCTION(CHANNEL)")
+    name, reduction, channel_name = found.groups()
+    if reduction not in REDUCTIONS:
+        raise unknown_name("reduction", reduction, REDUCTIONS)
+    if channel_name not in frame.channels():
+        raise unknown_name("channel", channel_name, frame.channels())
+    return name, reduction, channel_name
+
+
+def own_metrics(texts: Sequence[str], runs: Runs) -> dict[str, Metric]:
+    """The metrics of each run; the name of the run stands in front if there are several."""
+    found = {}
+    for name, reduction, channel_name in map(parsed, texts):
+        for run, recording in runs.items():
+            key = f"{run}_{name}" if len(runs) > 1 else name
+            found[key] = metric(
+                lambda of=recording, reduce=REDUCTIONS[reduction], name=channel_name: reduce(channel(of, name)),
+                frame.units()[channel_name],
+            )
+    return found
+
+
+def bus_metrics(run: Recording) -> dict[str, Metric]:
+    """Of each channel mean load, longest latency, its jitter from period to period, frames lost; none without a bus."""
+    found = {}
+    for circuit in CIRCUITS if f"can.bus.load_{CIRCUITS[0]}" in run.channels else ():
+        load, latency, lost = (run.channels[f"can.bus.{what}_{circuit}"] for what in ("load", "latency", "lost"))
+        carried = latency[latency > 0.0]
+        found[f"bus_{circuit}_load"] = Metric(float(load[1:].mean()) if len(load) > 1 else 0.0, "1")
+        found[f"bus_{circuit}_longest_latency"] = Metric(float(latency.max()), "s")
+        found[f"bus_{circuit}_latency_jitter"] = Metric(float(np.ptp(carried)) if len(carried) else 0.0, "s")
+        found[f"bus_{circuit}_lost_frames"] = Metric(float(lost[-1]), "1")
+    return found

@@ -9,8 +9,7 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures.metric import Metric, NotMeasured
-from ev_sim.measures.samples import Runs, channel, mean_between
+from ev_sim.measures.metric import Metric, NotMeasured, Runs, channel, mean_between
 from ev_sim.recording.recording import Recording
 
 ROAD_WHEEL_ANGLE = "steering_column.state.road_wheel_angle"

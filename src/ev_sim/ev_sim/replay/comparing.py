@@ -12,8 +12,8 @@ import numpy as np
 from ev_core.nodes.master.real_time import Histogram
 from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.timing import histogram_sheet
+from ev_sim.figures.drawing import Figure
+from ev_sim.figures.other_axes import histogram_sheet
 from ev_sim.recording.recording import Recording
 from ev_sim.replay.recorded import Recorded
 from ev_sim.report.tables import cell, text_table, write_tables

@@ -14,12 +14,11 @@ from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.parameters.declaration import flatten
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import ROLES
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.samples import Parameters, Runs
+from ev_sim.measures.metric import Metric, Parameters, Runs
 from ev_sim.recording.recording import atomic_file, combined_hash, signal_hash
 from ev_sim.scenarios.scenario import Run, Scenario
 
-COMMAND_LINE, SCENARIO = "command line", "scenario"
+COMMAND_LINE, SCENARIO_FILE = "command line", "scenario"
 EVERY_NODE = "every node"
 _OF_THE_CAR = "vehicle."
 
@@ -66,7 +65,7 @@ def _of_run(run: Run, before: Run) -> Iterator[Difference]:
             if value != instead_of:
                 yield Difference(COMMAND_LINE, role, name, value, instead_of, entry.spec.unit)
             elif value != defaults[name] and not name.startswith(_OF_THE_CAR):
-                yield Difference(SCENARIO, role, name, value, defaults[name], entry.spec.unit)
+                yield Difference(SCENARIO_FILE, role, name, value, defaults[name], entry.spec.unit)
 
 
 def _defaults(configuration: Configuration) -> dict[str, Any]:

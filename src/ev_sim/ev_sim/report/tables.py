@@ -18,7 +18,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TextIO
 
-from ev_sim.figures.figure import DPI, Figure
+from ev_sim.figures.drawing import DPI, Figure
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.recording import atomic_file
 
@@ -85,7 +85,7 @@ def text_table(columns: Sequence[str], rows: Sequence[Sequence[str]], left: Coll
     )
 
 
-COLUMNS = ("metric", "value", "unit", "reference", "band", "verdict")
+METRIC_COLUMNS = ("metric", "value", "unit", "reference", "band", "verdict")
 NARROW = (("metric", "value", "unit", "reference", "verdict"), ("metric", "value", "unit", "verdict"))
 WIDTH_OF_A_PIPE = 120
 _TEXT = ("metric", "unit", "band", "verdict")
@@ -104,7 +104,7 @@ def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) ->
     """
     notes: list[str] = []
     rows = [_row(name, metric, notes) for name, metric in metrics.items()]
-    lines = _lines(COLUMNS, rows)
+    lines = _lines(METRIC_COLUMNS, rows)
     without_degrees = [{**row, "value": row["value in rad"]} for row in rows]
     for columns in NARROW:
         if max(map(len, lines)) > width:

@@ -15,7 +15,7 @@ from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.files import with_files
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.measures.samples import parsed
+from ev_sim.measures.metric import parsed
 from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.slow_ramp import SlowRampParameters
 

@@ -19,8 +19,7 @@ from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measures import motion
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.measures.understeer import understeer_gradient
 from ev_sim.recording.recording import Recording
 

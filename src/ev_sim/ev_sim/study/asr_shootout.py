@@ -16,16 +16,13 @@ from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.driver.path import nearest, path_of, point_at
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, Panel
+from ev_sim.figures.drawing import Curve, Figure, Panel, sheet
 from ev_sim.measures.handling import slip_powers
-from ev_sim.measures.metric import Metric, metric
+from ev_sim.measures.metric import Metric, channel, metric
 from ev_sim.measures.motion import crossing_time, distance_on_path, heading, speed
-from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results, own_methods
+from ev_sim.study.study import Case, Results, own_methods, rows_of_cases
 
 VARIANTS = {  # methods of the role asr with another parameter than their own
     "least_squares_error_bound": ("least_squares", "largest_error", 0.001),
@@ -279,11 +276,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     """Road, control and what was measured; a dash where 30 km/h were not reached."""
-    found = []
-    for name, result in results.items():
-        numbers = ((result.measured.get(key), digits) for key, (_, digits) in QUANTITIES.items())
-        found.append((*name.split(": "), *("–" if value is None else f"{value:.{n}f}" for value, n in numbers)))
-    return found
+    return rows_of_cases(results, {name: f".{digits}f" for name, (_, digits) in QUANTITIES.items()})
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

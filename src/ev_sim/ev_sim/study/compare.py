@@ -12,13 +12,10 @@ import numpy as np
 from ev_core.methods.register import methods_of
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import unknown_name
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, panel
-from ev_sim.figures.plan_view import plan_view
+from ev_sim.figures.drawing import Curve, Figure, panel, sheet
+from ev_sim.figures.other_axes import plan_view
 from ev_sim.measures import handling, motion
-from ev_sim.measures.metric import Metric, NotMeasured
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import Metric, NotMeasured, channel
 from ev_sim.recording.recording import Recording
 from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run, load_scenario

@@ -10,12 +10,9 @@ from typing import Any
 import numpy as np
 
 from ev_sim.driver.path import nearest, path_of
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, Panel
+from ev_sim.figures.drawing import Curve, Figure, Panel, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import Metric, channel
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results, own_methods

@@ -14,7 +14,7 @@ from typing import Any
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
 from ev_sim.command_line.options import add_outputs, add_overrides, command_of, overrides
 from ev_sim.command_line.refusal import Parser
-from ev_sim.figures.figure import Figure
+from ev_sim.figures.drawing import Figure
 from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.outcome import RunFailed, bar_of_runs
@@ -42,7 +42,7 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
     add_overrides(parser)
     add_outputs(parser)
-    study.add_options(parser)
+    getattr(study, "add_options", lambda parser: None)(parser)
     return parser.parse_args(argv)
 
 
@@ -216,7 +216,8 @@ def printed(study: Study, given: argparse.Namespace, results: Results) -> str:
     """What a study prints above its metrics, as aligned text; may be empty."""
     if hasattr(study, "tables"):
         return study.tables(given, results)
-    return text_table(study.COLUMNS, study.rows(given, results), left=study.COLUMNS[: getattr(study, "LEFT", 1)])
+    table = text_table(study.COLUMNS, study.rows(given, results), left=study.COLUMNS[: getattr(study, "LEFT", 1)])
+    return f"{study.HEADING}\n{table}" if hasattr(study, "HEADING") else table
 
 
 def _print_notes(results: Sequence[CaseResult]) -> None:

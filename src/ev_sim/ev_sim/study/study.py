@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import time
 import traceback
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -102,9 +102,6 @@ class Study(Protocol):
 
     ABOUT: str  # one line for --list
 
-    def add_options(self, parser: argparse.ArgumentParser) -> None:
-        """Declare the options that this study has beyond those of all studies."""
-
     def cases(self, given: argparse.Namespace) -> Sequence[Case]:
         """The cases, each with a name of its own; ParameterError if an option is refused."""
 
@@ -115,16 +112,17 @@ class Study(Protocol):
         """Metrics by name, in the order of the table."""
 
     COLUMNS: tuple[str, ...]  # of `rows`
-    SUMS: tuple[str, ...]  # with which the metrics begin that sum the rows up
 
     def rows(self, given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
         """The table that a page of the documentation shows."""
 
     # A study may also have
     #
+    # - `add_options(parser)`, which declares the options that it has beyond those of all studies,
+    # - `SUMS`, with which the metrics begin that sum the rows up,
     # - `figures(given, results)`, by the name of their file without suffix,
     # - `tables(given, results)`, the text that is printed above the metrics; without it these are its rows below
-    #   COLUMNS, of which the first LEFT ones are set to the left,
+    #   COLUMNS, of which the first LEFT ones are set to the left, below a line HEADING if there is one,
     # - `table(given, results)`, whose columns and rows of values are kept as files,
     # - `variations(given)`, by NODE.PARAM the values that it varies itself,
     # - `SHORTEST`, the least simulated time with which there is anything to measure [s].
@@ -139,12 +137,16 @@ def metrics_of_cases(results: Results, units: Mapping[str, str]) -> dict[str, Me
     }
 
 
-def rows_of_cases(results: Results, quantities: Iterable[str]) -> list[tuple[str, ...]]:
-    """A row for each case: the parts of its name, which `: ` separates, and some quantities."""
-    return [
-        (*name.split(": "), *(f"{result.measured[quantity]:.3g}" for quantity in quantities))
-        for name, result in results.items()
-    ]
+def rows_of_cases(results: Results, forms: Mapping[str, str]) -> list[tuple[str, ...]]:
+    """A row for each case: the parts of its name, which `: ` separates, and some quantities, each in its form.
+
+    A dash stands for what a case has no number for.
+    """
+    rows = []
+    for name, result in results.items():
+        numbers = ((result.measured.get(quantity), form) for quantity, form in forms.items())
+        rows.append((*name.split(": "), *("–" if value is None else format(value, form) for value, form in numbers)))
+    return rows
 
 
 def own_methods(role: str) -> list[str]:

@@ -12,12 +12,11 @@ import yaml
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.over_values import lines_with_bands, maps
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.samples import own_metrics
+from ev_sim.figures.drawing import Figure
+from ev_sim.figures.other_axes import lines_with_bands, maps
+from ev_sim.measures.metric import Metric, own_metrics
 from ev_sim.recording.recording import Recording
-from ev_sim.report.reports import report_for
+from ev_sim.report.result import report_for
 from ev_sim.report.tables import cell, text_table
 from ev_sim.scenarios.parameter_file import read_yaml
 from ev_sim.scenarios.scenario import Run, load_scenario

@@ -22,7 +22,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.command_line.options import add_changes, overrides
-from ev_sim.measures.samples import Parameters, Runs
+from ev_sim.measures.metric import Parameters, Runs
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import Recording, load, save
 from ev_sim.running.output_folder import locked

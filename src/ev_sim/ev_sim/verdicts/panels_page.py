@@ -6,9 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Panel
+from ev_sim.figures.drawing import Figure, Panel, sheet
 from ev_sim.figures.saving import save_figures
 from ev_sim.recording.recording import atomic_file
 from ev_sim.report.page.writing import filled

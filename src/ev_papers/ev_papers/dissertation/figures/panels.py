@@ -9,17 +9,20 @@ from typing import Any
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_papers.dissertation.figures.slip_curve import slip_curve_figure
-from ev_papers.dissertation.figures.urban_cycle import cycle_figure
-from ev_papers.dissertation.figures.urban_mixed import OF_A_CIRCUIT, electrical, over_friction, wheel_efficiency
-from ev_papers.dissertation.figures.urban_sheets import sheet_over_cycle
+from ev_papers.dissertation.figures.urban_mixed import (
+    OF_A_CIRCUIT,
+    electrical,
+    over_friction,
+    slip_curve_figure,
+    wheel_efficiency,
+)
+from ev_papers.dissertation.figures.urban_sheets import cycle_figure, sheet_over_cycle
 from ev_papers.dissertation.measures.urban_cases import BENCH, FIVE, METHODS, SCENARIO, case
 from ev_sim.drives.electrical_side import loss_power
 from ev_sim.drives.synchronous_motor import voltage_limited_torque
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.over_values import contours
-from ev_sim.figures.panels import Curve, Panel, panel
-from ev_sim.measures.samples import channel
+from ev_sim.figures.drawing import Curve, Figure, Panel, panel
+from ev_sim.figures.other_axes import contours
+from ev_sim.measures.metric import channel
 from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
@@ -105,28 +108,21 @@ _NO_DATA = "the source draws it from a catalogue, no data are in the text"
 _slip_curve = _of_run(lambda run, vehicle, driver: slip_curve_figure(run, vehicle))
 
 
-def _cycle(title: str, file: str) -> Callable[[], Panel]:
+def _cycle(figure: str, title: str, file: str) -> PublishedPanel:
     def points() -> list[Curve]:
         cycle = with_profile_from_file(SpeedProfileParameters(file=file))
         return [Curve(np.array(cycle.time), 3.6 * np.array(cycle.speed))]
 
-    return lambda: panel(title, "speed [km/h]", points)
+    draw = over_time(lambda: panel(title, "speed [km/h]", points))
+    return PublishedPanel(figure, "", _CYCLES, (f"diss.fig{figure}",), draw=draw)
 
 
 _CYCLE_PANELS = (
     PublishedPanel("2.8", "", "Fit of the slip curve", ("diss.fig2.8",), (CYCLES[1],), _slip_curve),
     cannot_be_drawn("2.9", "", _CYCLES, f"European Transient Cycle: {_NO_DATA}", "diss.fig2.9"),
-    PublishedPanel(
-        "2.10",
-        "",
-        _CYCLES,
-        ("diss.fig2.10",),
-        draw=over_time(_cycle("EPA New York City Cycle, the public data", "cycles/nycc.csv")),
-    ),
+    _cycle("2.10", "EPA New York City Cycle, the public data", "cycles/nycc.csv"),
     cannot_be_drawn("2.11", "", _CYCLES, f"modemIM Urban_Slow: {_NO_DATA}", "diss.fig2.11"),
-    PublishedPanel(
-        "2.12", "", _CYCLES, ("diss.fig2.12",), draw=over_time(_cycle("TRRL 1.1, table 2.4", "cycles/trrl_1_1.csv"))
-    ),
+    _cycle("2.12", "TRRL 1.1, table 2.4", "cycles/trrl_1_1.csv"),
     PublishedPanel("2.13", "", "Cycle and road", ("diss.fig2.13",), (CYCLES[1],), _of_run(cycle_figure)),
 )
 

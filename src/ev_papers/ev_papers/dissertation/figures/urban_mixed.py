@@ -1,31 +1,117 @@
-"""Figures of a run of the urban cycle on mixed surfaces, like the dissertation's 3.1 to 3.10 and 5.1 to 5.25."""
+"""Figures of a run of the urban cycle on mixed surfaces, like the dissertation's 2.8, 3.1 to 3.10 and 5.1 to 5.25."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.dissertation.figures.urban_sheets import (
-    TIME,
-    WIDTH,
+    SHEET_WIDTH,
+    TIME_AXIS,
     both_sides,
     each_side,
     left_and_right,
+    recorded,
     sheet_over_cycle,
     thin_sheet,
 )
 from ev_papers.dissertation.measures.circuits import CircuitShares, circuit_shares
+from ev_papers.dissertation.measures.slip_curve import SlipCurve, first_passed_peak, slip_and_road_torque
 from ev_papers.dissertation.measures.traction_windows import traction
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Axes, Figure
-from ev_sim.figures.panels import Curve, Panel, panel
+from ev_sim.figures.drawing import (
+    STROKES,
+    TEXT_SIZE,
+    TITLE_SIZE,
+    Axes,
+    Curve,
+    Figure,
+    Panel,
+    name_axes,
+    new_figure,
+    panel,
+    sheet,
+)
 from ev_sim.measures import motion
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.samples import channel
+from ev_sim.measures.handling import surfaces_under
+from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.recording.recording import Recording
+from ev_sim.surfaces import curve_on_road
+from ev_sim.tyres.curve import FRICTION_CURVES, friction
+
+AROUND = 0.1  # [s] before and after the window, of which samples are drawn, too
+_ALLOWED, _BEYOND = "#E3F1E6", "#FBE3DC"
+
+
+def slip_curve_figure(run: Recording, vehicle: Vehicle) -> Figure:
+    """Road torque over slip where the left driven wheel first passes its peak: samples, fit and its two zones."""
+    figure = new_figure(6.4, 4.2)
+    figure.subplots_adjust(left=0.11, right=0.98, bottom=0.12, top=0.92)
+    axes = figure.add_subplot()
+    labels = "slip x = 1 - w_free/w [1]", "road torque y = (M - J w')/M_nom [1]"
+    name_axes(axes, "Slip curve by least squares", *labels, grid="", pad=6.0)
+    try:
+        wheel = _left_wheel(vehicle)
+        axes.set_title(f"Slip curve by least squares, {wheel.replace('_', ' ')} wheel", loc="left", fontsize=TITLE_SIZE)
+        _draw(axes, run, vehicle, wheel, first_passed_peak(run, vehicle, wheel))
+    except NotMeasured as why:
+        note = f"not measured: {why}"
+        axes.text(0.5, 0.5, note, transform=axes.transAxes, ha="center", fontsize=TEXT_SIZE, color="0.4")
+    return figure
+
+
+def _left_wheel(vehicle: Vehicle) -> str:
+    for wheel in vehicle.driven_wheels:
+        if wheel.endswith("left"):
+            return wheel
+    raise NotMeasured("no wheel is driven on the left")
+
+
+def _draw(axes: Axes, run: Recording, vehicle: Vehicle, wheel: str, curve: SlipCurve) -> None:
+    x, y = slip_and_road_torque(run, vehicle, wheel)
+    begin, end = run.time[curve.window.start] - AROUND, run.time[curve.window.stop - 1] + AROUND
+    around = (run.time >= begin) & (run.time <= end) & (x >= 0.0)
+    peak, hit = curve.peak, curve.window.stop - 1
+    right = max(1.15 * x[around].max(), 2.0 * peak)
+    top = 1.18 * max(y[around].max(), float(curve.at(np.array(peak))))
+    slips = np.linspace(0.0, right, 300)
+    axes.axvspan(0.0, peak, facecolor=_ALLOWED, edgecolor="none")
+    axes.axvspan(peak, right, facecolor=_BEYOND, edgecolor="none")
+    axes.plot(x[around], y[around], ".", color="0.6", ms=4, label=f"samples from {begin:.2f} s to {end:.2f} s")
+    axes.plot(x[curve.window], y[curve.window], "o", color=STROKES[0][0], ms=4, label="window of the fit")
+    label = f"y = {curve.a:.3g} x + {curve.b:.3g} sqrt(x)"
+    axes.plot(slips, curve.at(slips), color=STROKES[1][0], lw=1.6, label=label)
+    surface, true = _of_the_road(run, vehicle, wheel, curve, y, slips)
+    axes.plot(slips, true, color="0.25", linestyle=STROKES[1][1], lw=1.0, label=surface.replace("_", " "))
+    axes.axvline(peak, color="0.3", lw=0.9)
+    axes.plot(x[hit], y[hit], "D", color="#B00020", ms=6, label=f"peak passed at {run.time[hit]:.3f} s")
+    for place, number, words in ((peak / 2, 1, "allowed slip"), ((peak + right) / 2, 2, "beyond the grip")):
+        axes.text(place, 0.98 * top, f"zone {number}: {words}", ha="center", va="top", fontsize=TEXT_SIZE)
+    axes.annotate(
+        f"dy/dx = 0 at x = {peak:.4f}", (peak, 0.03 * top), (4, 0), textcoords="offset points", fontsize=TEXT_SIZE
+    )
+    axes.set_xlim(0.0, right)
+    axes.set_ylim(0.0, top)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.08), fontsize=TEXT_SIZE, framealpha=0.85)
+
+
+def _of_the_road(
+    run: Recording, vehicle: Vehicle, wheel: str, curve: SlipCurve, y: np.ndarray, slips: np.ndarray
+) -> tuple[str, np.ndarray]:
+    """The surface under the wheel, and what it takes at slips (n,) under the mean load and resistance of the window."""
+    part = curve.window
+    surface = str(surfaces_under(run, vehicle, wheel)[part.stop - 1])
+    curve_name, of = curve_on_road(vehicle.tyre, surface)
+    kind = FRICTION_CURVES.index(curve_name)
+    nominal = vehicle.motor.nominal_torque * vehicle.gear_ratio
+    load = channel(run, f"tire_forces.load.{wheel}")[part].mean()
+    force = channel(run, f"tire_forces.longitudinal_force.{wheel}")[part]
+    resistance = (y[part] - force * vehicle.wheel_radius / nominal).mean()
+    use = np.array([friction(kind, slip, of) for slip in slips])
+    return surface, use * load * vehicle.wheel_radius / nominal + resistance
+
 
 DETAIL = 15.0  # [s], length of the figure in which single pulses can be seen
 OF_A_CIRCUIT = (
@@ -44,33 +130,28 @@ def panels(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[
     """
     on_bench = any(name.startswith("bench.shafts.") for name in run.channels)
 
-    def sides(title: str, ylabel: str, curve: Callable[[str], Curve]) -> list[Panel]:
-        return [
-            panel(f"{title}, {wheel.replace('_', ' ')}", ylabel, lambda wheel=wheel: [curve(wheel)])
-            for wheel in left_and_right(vehicle)
-        ]
+    def shown_by(title: str, ylabel: str, quantity: str) -> list[Panel]:
+        return recorded(run, vehicle, title, ylabel, (quantity, ""))
 
-    def recorded(title: str, ylabel: str, quantity: str) -> list[Panel]:
-        return each_side(run, vehicle, title, ylabel, quantity)
-
-    efficiency = sides(
+    efficiency = each_side(
+        vehicle,
         "Drive efficiency in the traction windows since the start",
         "efficiency [1]",
         lambda wheel: _drive_efficiency(run, vehicle, driver, wheel),
     )
     if on_bench:
         shown = (
-            recorded("Torque at the transducer", "torque [N m]", "bench.shafts.torque"),
-            recorded("Speed at the transducer", "speed [rad/s]", "bench.shafts.speed"),
-            recorded("Current of the machine under test", "current [A]", "bench.electrical.current"),
-            recorded("Voltage of the machine under test", "voltage [V]", "bench.electrical.voltage"),
+            shown_by("Torque at the transducer", "torque [N m]", "bench.shafts.torque"),
+            shown_by("Speed at the transducer", "speed [rad/s]", "bench.shafts.speed"),
+            shown_by("Current of the machine under test", "current [A]", "bench.electrical.current"),
+            shown_by("Voltage of the machine under test", "voltage [V]", "bench.electrical.voltage"),
         )
     else:
         shown = (
-            recorded("Motor torque", "torque [N m]", "motor_states.effort"),
-            recorded("Motor speed", "speed [rad/s]", "motor_states.velocity"),
-            sides("Current of the motor's circuit", "current [A]", lambda wheel: _current(run, vehicle, wheel)),
-            sides("Voltage", "voltage [V]", lambda wheel: Curve(run.time, channel(run, "battery.voltage"))),
+            shown_by("Motor torque", "torque [N m]", "motor_states.effort"),
+            shown_by("Motor speed", "speed [rad/s]", "motor_states.velocity"),
+            each_side(vehicle, "Current of the motor's circuit", "current [A]", lambda of: _current(run, vehicle, of)),
+            each_side(vehicle, "Voltage", "voltage [V]", lambda of: Curve(run.time, channel(run, "battery.voltage"))),
         )
     return dict(zip(OF_A_CIRCUIT, (*shown, efficiency), strict=True))
 
@@ -187,10 +268,10 @@ def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figur
                 lambda: both_sides(shorter, vehicle, "tire_forces.friction_coefficient"),
             ),
         ],
-        TIME,
+        TIME_AXIS,
         columns=1,
         start=float(shorter.time[0]),
-        panel_width=WIDTH,
+        panel_width=SHEET_WIDTH,
     )
     figure.axes[2].set_ylim(-0.1, 0.6)  # the first turn of a wheel has any slip
     figure.axes[3].set_ylim(0.0, 1.2)

@@ -8,8 +8,7 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.optional_signals import BenchEnergy
-from ev_sim.measures.metric import Metric, metric
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import Metric, channel, metric
 from ev_sim.recording.recording import Recording
 
 _CELL = "battery.cell"

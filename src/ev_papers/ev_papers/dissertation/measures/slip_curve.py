@@ -13,8 +13,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import wheel_inertia
 from ev_papers.dissertation.measures.circuits import free_wheel_beside
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.recording.recording import Recording
 
 WINDOW = 0.125  # [s]; the source gives no length

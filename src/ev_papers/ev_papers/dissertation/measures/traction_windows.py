@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from ev_core.parameters.values import build
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.profiles.cycle_windows import (
     MODES,
     TRACTION,

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, SCENARIO, Values
-from ev_papers.dissertation.studies import bench_cases
-from ev_papers.dissertation.studies.bench_cases import apart, away_from_switches, ideal
+from ev_papers.dissertation.studies import bench_difference
+from ev_papers.dissertation.studies.bench_difference import apart, away_from_switches, ideal
 from ev_sim.measures.metric import Metric
 from ev_sim.study.study import Case, Results
 
@@ -78,7 +78,7 @@ def case(driver: str, name: str, scenario: str, values: Values) -> Case:
     return replace(urban_cases.case("1", driver, 1, name, values, scenario), duration=LENGTH)
 
 
-measure = bench_cases.measure
+measure = bench_difference.measure
 
 
 def _row(results: Results, case: str, beside: str) -> tuple[float, ...]:

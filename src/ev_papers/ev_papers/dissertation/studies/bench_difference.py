@@ -3,20 +3,90 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ev_papers.dissertation.measures import urban_cases
+from ev_papers.dissertation.measures.traction_windows import in_windows
 from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, Values
-from ev_papers.dissertation.studies import bench_cases
-from ev_papers.dissertation.studies.bench_cases import IDEAL, apart, ideal
-from ev_sim.figures.drawing import sheet
-from ev_sim.figures.figure import Figure
-from ev_sim.figures.panels import Curve, Panel
-from ev_sim.measures.metric import Metric
+from ev_sim.figures.drawing import Curve, Figure, Panel, sheet
+from ev_sim.measures.metric import Metric, NotMeasured
+from ev_sim.recording.recording import Recording
+from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results
+
+WHEEL = "front_right"
+SAMPLING = 0.005  # s between the samples that are compared, as far as the control period divides it
+_STIFF, _NO_LIMIT = 1e7, 1e9
+_SENSORS = ("bench_torque", "bench_speed", "bench_load_speed", "bench_voltage", "bench_current", "bench_temperature")
+
+
+def _bench(**values: float) -> Values:
+    return tuple(("test_bench", name.replace("__", "."), value) for name, value in values.items())
+
+
+# By what may differ from the virtual run; with all of them ideal nothing is left but the exchange by control periods.
+IDEAL: Mapping[str, Values] = {
+    "inverters": _bench(
+        set_point__delay=0.0,
+        set_point__torque_rate=_NO_LIMIT,
+        set_point__torque_resolution=0.0,
+        load_set_point__delay=0.0,
+        load_set_point__speed_rate=_NO_LIMIT,
+        load_set_point__speed_resolution=0.0,
+    ),
+    "load machine": (("plant", "wheel_speed", "virtual"),),  # it turns exactly as it is told
+    "shaft": _bench(shaft__stiffness=_STIFF),
+    "sensors": tuple(("test_bench", f"sensors.{name}.noise", 0.0) for name in _SENSORS),
+}
+
+
+def ideal(but: str = "") -> Values:
+    """An ideal bench, but for one group that stays as the scenario has it."""
+    return tuple(value for group, values in IDEAL.items() if group != but for value in values)
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """Of the right circuit: torque at the shaft [N m], with the rotor and as a transducer shows it, and wheel speed.
+
+    All of it at the `instants` [s]. NotMeasured if the run ends before the first traction window.
+    """
+    every = max(round(SAMPLING / run.configurations["plant"].common.control_period), 1)
+    channels = recording.channels
+    torque = channels[f"motor_states.effort.{WHEEL}"]
+    shown = channels.get(f"bench.shafts.torque.{WHEEL}", torque)
+    in_traction = in_windows(recording, run.configurations["driver"].values())
+    if not in_traction.any():
+        raise NotMeasured("the run has no traction window")
+    return {
+        "instants": recording.time[::every].copy(),
+        "torque": torque[::every].copy(),
+        "transducer": shown[::every].copy(),
+        "speed": channels[f"wheel_states.velocity.{WHEEL}"][::every].copy(),
+        "pressed": channels["driver.command.drive_torque"][::every] > 0.0,
+        "in_traction": in_traction[::every].copy(),
+        "distance": float(channels["pose.x"][-1]),
+    }
+
+
+def away_from_switches(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Samples, True where for two samples before and behind both drivers' feet stay and are alike."""
+    count = min(len(one), len(other))
+    feet = np.stack([one[:count], other[:count]])
+    moves = np.diff(feet, axis=1, prepend=feet[:, :1]).any(axis=0) | (feet[0] != feet[1])
+    return np.convolve(moves, np.ones(5), "same") == 0.0
+
+
+def apart(one: np.ndarray, other: np.ndarray, counted: np.ndarray | None = None) -> float:
+    """Mean difference of two series over the largest magnitude of the second [%]."""
+    count = min(len(one), len(other))
+    difference = np.abs(one[:count] - other[:count])
+    largest = float(np.abs(other).max())
+    mean = float((difference if counted is None else difference[counted[:count]]).mean())
+    return 100.0 * mean / largest if largest > 0.0 else 0.0
+
 
 ABOUT = "Dissertation, figure 5.26 - torque of model and bench for five methods, and what their difference comes from"
 COLUMNS = (
@@ -26,7 +96,7 @@ COLUMNS = (
 LEFT = 2
 SUMS = ("largest_",)
 PUBLISHED = "5..10"  # %, figure 5.26
-RUNS: dict[str, tuple[str, Values]] = {
+BENCHES: dict[str, tuple[str, Values]] = {
     "model": (SCENARIO, ()),
     "ideal": (BENCH, ideal()),
     "bench": (BENCH, ()),
@@ -54,11 +124,8 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
         urban_cases.case(method, driver, 1, _name(method, driver, run), values, scenario)
         for driver in given.drivers
         for method in FIVE
-        for run, (scenario, values) in RUNS.items()
+        for run, (scenario, values) in BENCHES.items()
     ]
-
-
-measure = bench_cases.measure
 
 
 def _of(results: Results, method: str, driver: str, run: str) -> Any:
@@ -71,7 +138,7 @@ def differences(results: Results, method: str, driver: str) -> dict[str, float]:
     Exchange: ideal bench against the model. Rotor: what the transducer shows of it against what drives the car. Groups:
     each alone on an otherwise ideal bench, against that.
     """
-    of = {run: _of(results, method, driver, run) for run in RUNS}
+    of = {run: _of(results, method, driver, run) for run in BENCHES}
     model, exact = of["model"], of["ideal"]
     counted = model["in_traction"]
     return {

@@ -12,11 +12,10 @@ import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, metric
-from ev_sim.measures.samples import channel
+from ev_sim.measures.metric import Metric, channel, metric
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results
+from ev_sim.study.study import Case, Results, rows_of_cases
 
 ABOUT = "Full braking without ABS, with one of the friction brakes, and with drives and brakes blended, on all roads"
 SCENARIO = "blended_brakes"
@@ -29,7 +28,7 @@ CONTROLS = {  # name -> run of the scenario, and what it is told
 }
 NOISE = {"wheel_speed": 0.03, "wheel_torque": 0.5, "imu_acceleration": 0.05, "imu_yaw_rate": 0.002}
 BEGIN, STANDING, ROLLING = 1.0, 0.3, 2.0  # of the pedal [s]; as good as stopped, and fast enough for a slip [m/s]
-DURATION = 20.0  # [s]
+LONGEST_STOP = 20.0  # [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +87,7 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every control on every road."""
     noise = tuple(("plant", f"sensors.{sensor}.noise", deviation) for sensor, deviation in NOISE.items())
     return [
-        Case(f"{road}: {name}", SCENARIO, (*noise, *SITUATIONS[road].values(), *told), run, duration=DURATION)
+        Case(f"{road}: {name}", SCENARIO, (*noise, *SITUATIONS[road].values(), *told), run, duration=LONGEST_STOP)
         for road in getattr(given, "roads", None) or SITUATIONS
         for name, (run, told) in CONTROLS.items()
     ]
@@ -129,11 +128,4 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     """Road, control and what was measured; a dash where the car does not stop in time."""
-
-    def shown(value: float | None, digits: int) -> str:
-        return "–" if value is None else f"{value:.{digits}f}"
-
-    return [
-        (*name.split(": "), *(shown(result.measured.get(key), digits) for key, (_, digits) in QUANTITIES.items()))
-        for name, result in results.items()
-    ]
+    return rows_of_cases(results, {name: f".{digits}f" for name, (_, digits) in QUANTITIES.items()})

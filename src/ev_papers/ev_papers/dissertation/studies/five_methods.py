@@ -4,17 +4,62 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, SIDES, case_name, roads
-from ev_papers.dissertation.studies import printed as printed
-from ev_papers.dissertation.studies.printed import gains
-from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
-from ev_sim.figures.figure import Figure, new_figure
+from ev_sim.figures.drawing import STROKES, TEXT_SIZE, Figure, name_axes, new_figure
 from ev_sim.measures.metric import Metric, mean_over_seeds
 from ev_sim.profiles.profile import LISTED
 from ev_sim.study.study import Case, Results
+from ev_sim.verdicts.sources import published_value
+
+_METHODS = range(1, 6)
+
+
+def _table(id: str, unit: float = 1.0) -> dict[int, float]:
+    """By method what published.csv has of an id, in which it is written as {}, in multiples of a unit."""
+    return {method: published_value("dissertation", id.format(method)) * unit for method in _METHODS}
+
+
+# Table 3.6. Tables 3.1 to 3.5 have right and left, and tables 5.1 to 5.5 the same numbers again, but no mean.
+WHEEL_EFFICIENCY = _table("diss.t3.6.m{}.mean")
+
+# Table 5.6, printed in per cent, and the energy as kWh.
+BENCH_WHEEL_EFFICIENCY = _table("diss.t5.6.wheel.m{}", 0.01)
+DRIVE_EFFICIENCY = _table("diss.t5.6.drive.m{}", 0.01)
+TOTAL_EFFICIENCY = _table("diss.t5.6.total.m{}", 0.01)
+ENERGY = _table("diss.t5.6.energy.m{}")
+
+KILOWATT_MINUTE = 60e3  # [J]; 99.66 kWh in 580 s would be 619 kW
+KILOWATT_HOUR = 3.6e6  # [J]
+
+
+class Gains(NamedTuple):
+    """Gains of method 1 over each other method [%]: over the efficiency of method 1, and over that of the other one.
+
+    Eqs 3.1 and 5.2 are printed with the first denominator. Eq 5.1 is printed with the second, yet the range printed for
+    it comes from the first.
+    """
+
+    over_method_1: dict[int, float]
+    over_the_other: dict[int, float]
+
+
+def gains(efficiency: Mapping[int, float]) -> Gains:
+    """The gains of efficiencies [1] by number of the method, above zero."""
+    best = efficiency[1]
+    others = {method: value for method, value in efficiency.items() if method != 1}
+    return Gains(
+        {method: 100.0 * (best - value) / best for method, value in others.items()},
+        {method: 100.0 * (best - value) / value for method, value in others.items()},
+    )
+
+
+def savings(energy: Mapping[int, float]) -> dict[int, float]:
+    """What method 1 saves, E_i - E_1, by number of the other method, in the unit of the energies."""
+    return {method: value - energy[1] for method, value in energy.items() if method != 1}
+
 
 _OURS, _PRINTED = STROKES[0][0], STROKES[1][0]
 
@@ -35,13 +80,11 @@ def efficiency_figure(
             if method in printed:
                 line = {"color": _PRINTED, "linestyle": STROKES[1][1], "linewidth": 1.6}
                 axes.hlines(printed[method], *ends, label="printed", **line)
-        axes.set_title(f"driver {driver}", loc="left", fontsize=TITLE_SIZE)
         axes.set_xticks(list(by_method), [titles[method].replace(" ", "\n") for method in by_method])
-        axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
         axes.set_ylim(0.4, 1.0)
-        axes.grid(True, axis="y", color="0.88", linewidth=0.6)
-        axes.spines[["top", "right"]].set_visible(False)
-    panels[0].set_ylabel("wheel efficiency [1]", fontsize=TEXT_SIZE)
+        name_axes(
+            axes, f"driver {driver}", ylabel="wheel efficiency [1]" if axes is panels[0] else "", grid="y", pad=6.0
+        )
     handles, labels = panels[0].get_legend_handles_labels()
     entries = dict(zip(labels, handles, strict=True))
     figure.legend(entries.values(), entries, loc="outside upper center", ncols=3, fontsize=TEXT_SIZE, frameon=False)
@@ -178,17 +221,17 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
             driver,
             f"{method} {METHODS[method].title}",
             *three("wheel_efficiency"),
-            of_source(printed.WHEEL_EFFICIENCY, number, ".2f"),
+            of_source(WHEEL_EFFICIENCY, number, ".2f"),
             shown("wheel_speed_efficiency"),
             shown("wheel_efficiency_windows"),
             *three("drive_efficiency"),
-            of_source(printed.DRIVE_EFFICIENCY, number, ".3f"),
+            of_source(DRIVE_EFFICIENCY, number, ".3f"),
             shown("total_efficiency"),
-            of_source(printed.TOTAL_EFFICIENCY, number, ".3f"),
-            shown("energy", 1 / printed.KILOWATT_MINUTE, ".1f"),
-            shown("energy_windows", 1 / printed.KILOWATT_MINUTE, ".1f"),
-            shown("energy_as_printed", 1 / printed.KILOWATT_MINUTE, ".1f"),
-            of_source(printed.ENERGY, number, ".1f"),
+            of_source(TOTAL_EFFICIENCY, number, ".3f"),
+            shown("energy", 1 / KILOWATT_MINUTE, ".1f"),
+            shown("energy_windows", 1 / KILOWATT_MINUTE, ".1f"),
+            shown("energy_as_printed", 1 / KILOWATT_MINUTE, ".1f"),
+            of_source(ENERGY, number, ".1f"),
         )
 
     return [row(driver, method) for driver in given.drivers for method in METHODS]
@@ -212,5 +255,5 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
         for driver in given.drivers
     }
     titles = {METHODS[method].number: METHODS[method].title for method in FIVE}
-    of_source = printed.WHEEL_EFFICIENCY if given.cycle in (None, LISTED) else {}
+    of_source = WHEEL_EFFICIENCY if given.cycle in (None, LISTED) else {}
     return {"wheel_efficiency": efficiency_figure(points, of_source, titles)}

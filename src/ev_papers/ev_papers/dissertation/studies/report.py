@@ -12,20 +12,16 @@ from typing import Any
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_papers.dissertation.figures.channels import motors_and_cells
-from ev_papers.dissertation.figures.slip_curve import slip_curve_figure
-from ev_papers.dissertation.figures.urban_cycle import cycle_figure
-from ev_papers.dissertation.figures.urban_mixed import detail, electrical, panels, wheel_efficiency
-from ev_papers.dissertation.figures.urban_sheets import left_and_right
+from ev_papers.dissertation.figures.urban_mixed import detail, electrical, panels, slip_curve_figure, wheel_efficiency
+from ev_papers.dissertation.figures.urban_sheets import cycle_figure, left_and_right, motors_and_cells
 from ev_papers.dissertation.measures import circuits
 from ev_papers.dissertation.measures import traction_windows as cycle
 from ev_papers.dissertation.measures.circuits import CircuitSums
 from ev_papers.dissertation.measures.motors_and_cells import electrical_metrics, is_modelled
-from ev_sim.figures.figure import Figure
+from ev_sim.figures.drawing import Figure
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, metric
-from ev_sim.measures.samples import Parameters, Runs, channel
-from ev_sim.measures.surfaces_under import share_of
+from ev_sim.measures.handling import share_of
+from ev_sim.measures.metric import Metric, NotMeasured, Parameters, Runs, channel, metric
 from ev_sim.recording.recording import Recording
 
 ROLLING = 1.0  # [m/s], above it slip is more than the first turn of a wheel

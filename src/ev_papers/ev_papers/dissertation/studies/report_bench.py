@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from ev_core.vehicle.description import Vehicle
-from ev_papers.dissertation.figures.channels import bench_channels
+from ev_papers.dissertation.figures.urban_sheets import bench_channels
 from ev_papers.dissertation.measures import motors_and_cells
 from ev_papers.dissertation.studies import report
-from ev_sim.figures.figure import Figure
-from ev_sim.measures import can_bus, motion
-from ev_sim.measures.metric import Metric, metric
-from ev_sim.measures.samples import Parameters, Runs
+from ev_sim.figures.drawing import Figure
+from ev_sim.measures import motion
+from ev_sim.measures.metric import Metric, Parameters, Runs, bus_metrics, metric
 from ev_sim.recording.recording import Recording
 
 
@@ -26,7 +25,7 @@ def _metrics(run: Recording) -> dict[str, Metric]:
     return {
         **{f"bench_{name}": metric(lambda name=name: motors_and_cells.energies(run)[name], "J") for name in names},
         "bench_imbalance": metric(lambda: motors_and_cells.imbalance(run), "1"),
-        **can_bus.metrics(run),
+        **bus_metrics(run),
     }
 
 

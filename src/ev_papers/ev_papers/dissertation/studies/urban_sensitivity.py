@@ -18,7 +18,6 @@ ABOUT = "Dissertation, five methods - what the wheel efficiencies hang on, one a
 
 
 COLUMNS = ("what is assumed otherwise", *(f"method {method}" for method in METHODS))
-SUMS = ()  # the rows hold all metrics
 
 
 @dataclass(frozen=True, slots=True)

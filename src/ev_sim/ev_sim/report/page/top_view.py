@@ -11,7 +11,7 @@ from ev_core.vehicle.car import GRAVITY
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures.car_axes import wheel_directions
+from ev_sim.measures.handling import wheel_directions
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.motion import heading
 from ev_sim.recording.recording import Recording

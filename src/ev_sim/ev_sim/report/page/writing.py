@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jinja2 import Environment, FunctionLoader
@@ -16,8 +16,8 @@ from jinja2 import Environment, FunctionLoader
 from ev_core.parameters.data_file import TIME
 from ev_core.parameters.declaration import entries
 from ev_core.vehicle.description import Vehicle
-from ev_sim.figures.figure import Figure
-from ev_sim.measures.samples import Runs
+from ev_sim.figures.drawing import Figure
+from ev_sim.measures.metric import Runs
 from ev_sim.recording.recording import Recording, atomic_file
 from ev_sim.report.page.top_view import PREFIX, car_of, groups_of, view_channels
 
@@ -25,8 +25,7 @@ GAP = 0  # the code of what is not finite; numbers have the codes from 1 on
 _LEVEL = 1  # of deflate: higher ones take twice the time for a tenth of the size
 
 
-@dataclass(frozen=True, slots=True)
-class Packed:
+class Packed(NamedTuple):
     """A series of `count` numbers: the n-th is low + (code_n - 1) step, a gap where its code is GAP.
 
     `text` holds the codes: base64 of deflate of `planes` rows of bytes, the lowest byte of every code first, of the
@@ -134,9 +133,7 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
 
     def placed(packed: Packed) -> dict[str, Any]:
         block = places.setdefault(packed.text, len(places))
-        return {
-            "block": block, "low": packed.low, "step": packed.step, "count": packed.count, "planes": packed.planes
-        }  # fmt: skip
+        return {"block": block, **{name: value for name, value in packed._asdict().items() if name != "text"}}
 
     runs = []
     for result in results:

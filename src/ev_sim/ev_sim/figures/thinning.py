@@ -1,0 +1,69 @@
+"""What is drawn of more samples than a line has pixels: their lowest and highest values, bands where they chatter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+PIXELS = 10  # of a bin
+SWINGS = 3  # across the values of a bin, from which on a line would fill it with ink
+SMALL = 0.08  # share of the range of all values below which a bin is a line all the same
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chatter:
+    """Bins of a curve: their instants (bins + 1,), lowest, highest and mean values (bins,), NaN where a line will do.
+
+    `line`: the samples (n,) without those that stand in bins, NaN in their place.
+    """
+
+    edges: np.ndarray
+    lowest: np.ndarray
+    highest: np.ndarray
+    mean: np.ndarray
+    line: np.ndarray
+
+
+def chatter(time: np.ndarray, values: np.ndarray, columns: int) -> Chatter | None:
+    """Where values (n,) over time (n,) chatter when they are drawn `columns` pixels wide; None if nowhere."""
+    count = max(columns // PIXELS, 1)
+    size = len(values) // count
+    if size <= SWINGS:
+        return None
+    whole = len(values) // size * size
+    bins = values[:whole].reshape(-1, size)
+    lowest, highest = bins.min(axis=1), bins.max(axis=1)
+    spread = highest - lowest
+    finite = values[np.isfinite(values)]
+    way = np.abs(np.diff(bins, axis=1)).sum(axis=1)
+    dense = (way > SWINGS * spread) & (spread > SMALL * (np.ptp(finite) if len(finite) else 0.0))
+    for apart in (1, 2):  # one or two bins in between are no line either
+        between = dense[: -apart - 1] & dense[apart + 1 :]
+        for n in range(1, apart + 1):
+            dense[n : len(dense) - apart - 1 + n] |= between
+    if not dense.any():
+        return None
+    in_bins = np.zeros(len(values), bool)
+    in_bins[:whole] = np.repeat(dense, size)
+    in_bins[1:] &= in_bins[:-1]  # the line goes on until the band begins
+    edges = np.append(time[:whole:size], time[whole - 1])
+    of_bins = (np.where(dense, each, np.nan) for each in (lowest, highest, bins.mean(axis=1)))
+    return Chatter(edges, *of_bins, np.where(in_bins, np.nan, values))
+
+
+def thinned(time: np.ndarray, values: np.ndarray, columns: int) -> tuple[np.ndarray, np.ndarray]:
+    """Samples that draw the same line at `columns` pixels: the lowest and the highest of each, and both ends.
+
+    NaN counts as lowest and highest, so a gap stays a gap. Short series come back as they are.
+    """
+    size = len(values) // columns
+    if size <= 4:
+        return time, values
+    whole = len(values) // size * size
+    first = np.arange(0, whole, size)
+    bins = values[:whole].reshape(-1, size)
+    lowest, highest = first + bins.argmin(axis=1), first + bins.argmax(axis=1)
+    # The rest behind the last whole bin is shorter than one bin: keep all of it.
+    kept = np.unique(np.concatenate(([0], lowest, highest, np.arange(whole, len(values)), [len(values) - 1])))
+    return time[kept], values[kept]
