@@ -10,12 +10,12 @@ from typing import Any
 
 from ev_control.inverter_gateway import can, leading
 from ev_control.inverter_gateway.gateway import Device, Gateway, GatewayParameters
-from ev_core.bus.channel import Frame
 from ev_core.bus.parameters import CIRCUITS, load_database
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.law import LawObject, namespace
 from ev_core.parameters.declaration import number_tree
 from ev_msgs_py.can.database import Database
+from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import DEVICES, DRIVES, SENT, TICK, DeviceFrames, bench_frames, is_due
 from ev_msgs_py.can.payload import NO_FRAME, words
 from ev_msgs_py.contract.optional_signals import MOST_TICKS, BenchShafts, FeedbackFrames, LoadCommand, SetPointFrames
@@ -23,7 +23,7 @@ from ev_msgs_py.contract.signals import WheelTorqueCommand
 
 
 class GatewayStation:
-    """Leads four inverters on two channels; `devices` are their states by name."""
+    """Leads four inverters on two channels; `devices` are their states by name, `own` their frames."""
 
     def __init__(self, database: Database, parameters: GatewayParameters) -> None:
         self.s = Gateway(waits=float(parameters.auto_enable))
@@ -32,10 +32,10 @@ class GatewayStation:
             "Drive11": self.s.drive_11, "Drive12": self.s.drive_12, "Load11": self.s.load_11, "Load12": self.s.load_12
         }  # fmt: skip
         f = self._frames = bench_frames(database)
-        self._own = {"Drive11": f.drive_11, "Drive12": f.drive_12, "Load11": f.load_11, "Load12": f.load_12}
+        self.own = {"Drive11": f.drive_11, "Drive12": f.drive_12, "Load11": f.load_11, "Load12": f.load_12}
         self._heard: dict[int, tuple[str, int, int]] = {
             int(identifier): (name, kind, int(getattr(f, SENT[kind].lower()).length))
-            for name, own in self._own.items()
+            for name, own in self.own.items()
             for kind, identifier in enumerate(own.identifiers)
         }
 
@@ -52,7 +52,7 @@ class GatewayStation:
         if len(frame.data) != length:
             feedback.refused += 1.0
             return
-        leading.receive_feedback(self._frames, self._own[name], feedback, kind, int.from_bytes(frame.data, "little"))
+        leading.receive_feedback(self._frames, self.own[name], feedback, kind, int.from_bytes(frame.data, "little"))
 
     def command(self, name: str, mode: int, value: float) -> None:
         """What a device shall do: a torque [N m] or a speed [rad/s] at its shaft; ValueError for what is no number."""
@@ -90,7 +90,7 @@ class GatewayStation:
         """Advance by some cycles of 1 ms, after the frames of this cycle; what is to be sent, each with its circuit."""
         before = self.s.tick
         leading.advance_gateway(self.p, self.s, float(ticks), ticks * TICK)
-        frames = [(name[-2:], self._set_point(name, self._own[name])) for name in DEVICES]
+        frames = [(name[-2:], self._set_point(name, self.own[name])) for name in DEVICES]
         if is_due(self._frames.heartbeat.ticks, before, self.s.tick):
             frames += [(circuit, self._life_sign(place)) for place, circuit in enumerate(CIRCUITS)]
         return frames
@@ -105,8 +105,7 @@ class GatewayStation:
         return Frame(int(self._frames.ecu), payload.to_bytes(int(self._frames.heartbeat.length), "little"))
 
 
-_DEVICES = ("drive_11", "drive_12", "load_11", "load_12")
-_PLACES = (0, can.SAID, can.LOADS, can.LOADS + can.SAID)  # of their set-points in SetPointFrames
+_PLACES = (0, can.SAID, can.LOADS, can.LOADS + can.SAID)  # of the devices' set-points in SetPointFrames
 
 
 class GatewayOnBus(LawObject):
@@ -124,10 +123,8 @@ class GatewayOnBus(LawObject):
         self._period = common.control_period
         self.station = GatewayStation(load_database(p.bus.database), p)
         self.given["s"].gateway = self.station.s
-        frames = self.given["c"].frames
-        self._places = {
-            int(getattr(frames, name).set_point): place for name, place in zip(_DEVICES, _PLACES, strict=True)
-        }
+        devices = self.station.own.values()
+        self._places = {int(own.set_point): place for own, place in zip(devices, _PLACES, strict=True)}
         self._set_points: dict[int, deque[int]] = {place: deque(maxlen=MOST_TICKS) for place in _PLACES}
         self._heartbeats: dict[int, int] = {}
         self._heard_before = [(0.0, 0.0), (0.0, 0.0)]

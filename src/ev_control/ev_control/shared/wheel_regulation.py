@@ -7,18 +7,9 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
+from ev_control.estimation import wheel_dynamics
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState
-from ev_control.estimation.wheel_dynamics import (
-    Filtered,
-    WheelMotion,
-    filter_share,
-    follow,
-    share_at,
-    share_at_rest,
-    slowest_wheel,
-    start_again,
-)
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_core.law import Car, ParameterError, compilable, entry, group, parameter, part
@@ -50,7 +41,7 @@ class SlipRegulatorParameters:
     release: float = parameter(
         0.2, unit="s", low=0.0, high=100.0, about="time for which the limit has to be above the request before it ends"
     )
-    at_rest: float = share_at_rest(0.3)
+    at_rest: float = wheel_dynamics.share_at_rest(0.3)
     slip: SlipObserverParameters = group(SlipObserverParameters)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)
@@ -64,7 +55,7 @@ class RegulatedWheel(LimitedWheel):
     served: float = entry(unit="s", about="since when the limit is above the request")
 
 
-forget_regulation = start_again(RegulatedWheel)
+forget_regulation = wheel_dynamics.start_again(RegulatedWheel)
 
 
 @compilable
@@ -74,9 +65,9 @@ def stays_out(p: SlipRegulatorParameters, w: RegulatedWheel, slip: float) -> boo
 
 
 @compilable
-def weighed(p: SlipRegulatorParameters, slip: float, motion: WheelMotion) -> float:
+def weighed(p: SlipRegulatorParameters, slip: float, motion: wheel_dynamics.WheelMotion) -> float:
     """The slip [1] as a limited wheel is regulated by it: about rest it weighs more, which is a smaller target."""
-    return slip / share_at(motion, p.slip.slowest, p.at_rest)
+    return slip / wheel_dynamics.share_at(motion, p.slip.slowest, p.at_rest)
 
 
 @compilable
@@ -109,7 +100,7 @@ class SpeedSetPointParameters:
     release: float = parameter(
         0.2, unit="s", low=0.0, high=100.0, about="time for which it has to before the set-point ends"
     )
-    slowest: float = slowest_wheel()
+    slowest: float = wheel_dynamics.slowest_wheel()
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
 
 
@@ -121,7 +112,7 @@ class SpeedSetPointWheel(LimitedWheel):
     served: float = entry(unit="s", about="since when the drive gives the request")
 
 
-forget_set_point = start_again(SpeedSetPointWheel)
+forget_set_point = wheel_dynamics.start_again(SpeedSetPointWheel)
 
 
 @compilable
@@ -130,7 +121,7 @@ def moved(
     car: Car,
     w: SpeedSetPointWheel,
     period: float,
-    motion: WheelMotion,
+    motion: wheel_dynamics.WheelMotion,
     wanted: float,
     course: float,
 ) -> float:
@@ -172,7 +163,7 @@ class GainedSpeedParameters:
 
 
 @compilable
-def has_gained(p: Any, car: Car, w: Any, period: float, motion: WheelMotion) -> bool:
+def has_gained(p: Any, car: Car, w: Any, period: float, motion: wheel_dynamics.WheelMotion) -> bool:
     """Whether a wheel has gained more on the car than a tyre that grips; `w.gained` is what it has [rad/s]."""
     gain = motion.acceleration - motion.body_acceleration / car.wheel_radius
     w.gained = max(w.gained + gain * period, 0.0) * p.memory / (p.memory + period)
@@ -203,21 +194,21 @@ class AccelerationCriterionParameters(GainedSpeedParameters):
 class Accelerations:
     """Both accelerations, filtered, and what they have added up to."""
 
-    wheel: Filtered = part(Filtered)  # [rad/s^2]
-    body: Filtered = part(Filtered)  # of the car [m/s^2]
+    wheel: wheel_dynamics.Filtered = part(wheel_dynamics.Filtered)  # [rad/s^2]
+    body: wheel_dynamics.Filtered = part(wheel_dynamics.Filtered)  # of the car [m/s^2]
     gained: float = entry(unit="rad/s", about="speed that the wheel has gained on the car lately")
 
 
 @compilable
 def gains_on_car(
-    p: AccelerationCriterionParameters, car: Car, s: Accelerations, period: float, motion: WheelMotion
+    p: AccelerationCriterionParameters, car: Car, s: Accelerations, period: float, motion: wheel_dynamics.WheelMotion
 ) -> bool:
     """Whether a_x/w' < threshold, compared without dividing, and only while w' is more than noise.
 
     A tyre that grips needs slip for its force, and its carcass winds up first: what it gains by that does not count.
     """
     gained = has_gained(p, car, s, period, motion)
-    share = filter_share(period, p.filter_time)
-    turning = follow(s.wheel, motion.acceleration, share)
-    moving = follow(s.body, motion.body_acceleration, share)
+    share = wheel_dynamics.filter_share(period, p.filter_time)
+    turning = wheel_dynamics.follow(s.wheel, motion.acceleration, share)
+    moving = wheel_dynamics.follow(s.body, motion.body_acceleration, share)
     return gained and turning > p.least_acceleration and moving < p.threshold * turning

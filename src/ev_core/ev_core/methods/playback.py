@@ -40,20 +40,15 @@ class Playback(Method):
 
 def playback_method(role: str, name: str) -> Method:
     """The method of a role that the recording of this path makes; ParameterError, in one line, if it cannot."""
-    recorded = _recorded(role, name)
-    known = ROLES[role].reads
-    return Playback(role, name, recorded, tuple(s for s in known if recorded.has(s)), NoParameters)
-
-
-def _recorded(role: str, name: str) -> RecordedRole:
     path = Path(name)
     try:
         refuse_outside(name, path)
-        return _read_once(role, name, path.absolute(), path.stat().st_mtime_ns)
+        recorded = _read_once(role, name, path.absolute(), path.stat().st_mtime_ns)
     except OSError as error:
         raise ParameterError(f"{role} method {name}: {error.strerror}", "method") from None
     except RecordingError as error:
         raise ParameterError(f"{role} method: {error}", "method") from None
+    return Playback(role, name, recorded, tuple(s for s in ROLES[role].reads if recorded.has(s)), NoParameters)
 
 
 @lru_cache(maxsize=8)  # the roles of one recording

@@ -8,11 +8,9 @@ from __future__ import annotations
 import time
 from typing import Any
 
-from rclpy.clock import Clock as RosClock
-from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
-from ev_core.bus.channel import Channels, Frame
+from ev_core.bus.channel import Channels
 from ev_core.bus.parameters import BusParameters, load_database
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.parts import bare, behind_sensors
@@ -24,6 +22,7 @@ from ev_core.nodes.stepped_node import SteppedNode
 from ev_core.parameters.declaration import entries
 from ev_core.parameters.values import build, replaced
 from ev_msgs_py.can.database import Database
+from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import TICK
 
 
@@ -120,11 +119,7 @@ class BusNode(WithBus, Node):
         self.prepare()
         bus: BusParameters = self.parameters.bus
         self.begin(Channels(bus, bus.log))
-        # For rclpy's own executors; `spinning.spin` polls by itself.
-        self.create_timer(TICK, self._look, clock=RosClock(clock_type=ClockType.STEADY_TIME))
-
-    def _look(self) -> None:
-        self.poll()
+        self.every(TICK, self.poll)
 
     def prepare(self) -> None:
         """Make what frames and cycles need, before the bus is open."""
