@@ -6,11 +6,9 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 # What `ros2 run` starts is put into lib/ev_sim by colcon; a wheel would put it on the PATH, under these bare names.
+ROLES = ("plant", "steering_column", "driver", "rear_steering")
 NODES = [
-    "plant = ev_sim.nodes:main",
-    "steering_column = ev_sim.nodes:main",
-    "driver = ev_sim.nodes:main",
-    "rear_steering = ev_sim.nodes:main",
+    *(f"{role} = ev_sim.nodes:main" for role in ROLES),
     "test_bench = ev_sim.nodes.test_bench:main",
     "recorder = ev_sim.nodes.recorder:main",
     "inverter = ev_sim.nodes.inverter:main",
@@ -75,12 +73,6 @@ setup(
         "ev_stack.config": ["ev_sim = ev_sim"],
         "ev_stack.reports": [f"{name} = ev_sim.manoeuvres.{name}" for name in MANOEUVRES],
         "ev_stack.studies": [f"{name} = ev_sim.study.{name}" for name in STUDIES],
-        "ev_stack.methods": [
-            "plant = ev_sim.methods.plant",
-            "steering_column = ev_sim.methods.steering_column",
-            "driver = ev_sim.methods.driver",
-            "rear_steering = ev_sim.methods.rear_steering",
-            "test_bench = ev_sim.methods.test_bench",
-        ],
+        "ev_stack.methods": [f"{role} = ev_sim.methods.{role}" for role in (*ROLES, "test_bench")],
     },
 )

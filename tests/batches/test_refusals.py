@@ -17,8 +17,8 @@ from ev_sim.batches.observer import mean
     ("vary", "message"),
     [
         ({"plant.initial_speed": [20.0, 300.0]}, "run 1: plant: parameter initial_speed: 300.0 is refused, allowed is"),
-        ({"plant.initial_sped": [20.0]}, "unknown parameter of plant 'initial_sped'; known: initial_speed"),
-        ({"plnt.initial_speed": [20.0]}, "unknown role 'plnt'; known: plant"),
+        ({"plant.initial_sped": [20.0]}, "unknown parameter of plant 'initial_sped'; did you mean initial_speed"),
+        ({"plnt.initial_speed": [20.0]}, "unknown role 'plnt'; did you mean plant"),
         ({"*.initial_speed": [20.0]}, "unknown parameter of .* 'initial_speed'"),
         ({"plant.vehicle.mass": [1000.0]}, r"allowed is \*.vehicle.mass, one for all roles"),
         ({"*.control_period": [0.01]}, r"\*.control_period is refused: all runs of a batch have the same"),
@@ -40,11 +40,11 @@ def test_values_that_differ(vary, message):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"signals": ["imu.yaw_rat"]}, "unknown channel 'imu.yaw_rat'; known: imu.yaw_rate"),
-        ({"metrics": {"m": mean("yaw_rate")}}, "unknown channel 'yaw_rate'; known: "),
+        ({"signals": ["imu.yaw_rat"]}, "unknown channel 'imu.yaw_rat'; did you mean imu.yaw_rate"),
+        ({"metrics": {"m": mean("yaw_rate")}}, "unknown channel 'yaw_rate'; did you mean "),
         ({"every": 0}, "every: 0 is refused, allowed is a whole number of periods, at least 1"),
         ({"initial_states": {"plant": np.zeros((2, 3))}}, "initial_states of plant have 3 numbers, allowed are "),
-        ({"initial_states": {"plnt": np.zeros((2, 3))}}, "unknown role 'plnt'; known: plant"),
+        ({"initial_states": {"plnt": np.zeros((2, 3))}}, "unknown role 'plnt'; did you mean plant"),
         (
             {"initial_states": {"plant": np.zeros((2, 3))}, "vary": {"*.seed": [1, 2, 3]}},
             r"numbers of runs differ: \*.seed 3, initial_states of plant 2",

@@ -22,10 +22,11 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from ev_core.bus import channel as channel_module
-from ev_core.bus.channel import BusMeter, Channel, Frame, bus_log
+from ev_core.bus.channel import BusMeter, Channel, bus_log
 from ev_core.bus.opening import BusError, open_channel
 from ev_core.bus.parameters import DEFAULT_CHANNELS, INTERFACES, BusParameters
 from ev_core.bus.socketcand_hub import HOST, SocketcandHub
+from ev_msgs_py.can.frame_length import Frame
 
 FRAMES = [Frame(0x20B, bytes(range(8))), Frame(0x701, b"\x01\x02\x03\x04"), Frame(0x18B, b"")]
 PATIENCE = 5.0  # s

@@ -10,7 +10,6 @@ from can_bus.databases import ours
 from ev_control.inverter_gateway.gateway import GatewayParameters
 from ev_control.inverter_gateway.panel import FAULTY, GOOD, SILENT, WARNED, diagnosis
 from ev_control.inverter_gateway.station import GatewayStation
-from ev_core.bus.channel import Frame
 from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import (
     ENABLE_COMMAND,
@@ -25,11 +24,12 @@ from ev_msgs_py.can.drive_states import (
     SWITCH_ON_DISABLED,
     SWITCHED_ON,
 )
+from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import DEVICES, SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.payload import checksum, counter_of, next_counter
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.inverter.circuit_station import CircuitStation
-from ev_sim.inverter.inverter_parameters import CircuitParameters
+from ev_sim.inverter.device import CircuitParameters
 
 RPM = math.pi / 30.0
 

@@ -6,7 +6,7 @@ import pytest
 
 from ev_core.check.method import check_configuration
 from ev_core.lockstep.configuration import configure
-from ev_sim.drives.drive import DRIVES
+from ev_sim.drives.drive import DRIVE_MODELS
 
 pytestmark = pytest.mark.slow
 
@@ -22,7 +22,7 @@ CHOICES = {
 STEPS = {"ideal": 500, "averaged": 100, "switched": 20}
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("drive", DRIVE_MODELS)
 def test_each_depth_of_detail(drive):
     values = {"method": "kinematic", "drive": drive, "initial_speed": 5.0}
     check_configuration(configure("plant", values), steps=STEPS[drive])

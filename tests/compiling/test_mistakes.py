@@ -250,7 +250,7 @@ DECLARATIONS = {
         "'on'",
         "S.x begins as str, allowed is a number: entry(",
     ),
-    "another word": ("state=S", "sate=S", "unknown argument 'sate'; known: state"),
+    "another word": ("state=S", "sate=S", "unknown argument 'sate'; did you mean state"),
     "state that nobody declares": (", state=S", "", "s is asked for and not made, declare state="),
     "constants that nobody prepares": ("(p, s,", "(p, c, s,", "c is asked for and not made, declare prepare="),
     "any number of signals": ("Request) ->", "Request, *more: WheelTorqueRequest) ->", "more stands for any number of"),

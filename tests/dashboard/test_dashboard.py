@@ -198,3 +198,33 @@ def test_a_port_that_is_taken_is_refused_in_one_line():
             Pages("second", first.port, lambda wish: None, list)
     finally:
         first.close()
+
+
+@needs_browser
+def test_the_page_follows_the_runs_of_a_scenario_through_their_namespaces(tmp_path):
+    """Each run of a scenario of several stands in a namespace of its own, one after the other."""
+    words = ["--port", "0", "ge_ni2005", "--duration", "4", "--no-record", "--no-report", "--out", str(tmp_path)]
+    process = subprocess.Popen(
+        [ROOT / "scripts" / "dashboard.sh", *words],
+        env=ENVIRONMENT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
+    )
+    browser = Browser(1300, 1000)
+    try:
+        browser.open(process.stdout.readline().removeprefix("dashboard: ").strip())
+        seen = []
+        for _ in range(2):
+            known = json.dumps(seen)
+            browser.wait_for(f"document.title.includes('/ev/') && !{known}.includes(document.title)")
+            seen.append(browser.run("document.title"))
+            browser.wait_for(
+                "live.times.length > 3 && document.querySelectorAll('#nodes [data-node=plant]').length == 1"
+            )
+        assert len({*seen}) == 2
+    finally:
+        browser.close()
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)

@@ -13,10 +13,10 @@ from scipy.linalg import expm, solve_discrete_are
 from ev_core.vehicle.description import Vehicle
 from ev_sim.driver.preview_gains import (
     GAIN_SPEEDS,
-    HEADING,
-    LATERAL,
+    HEADING_ERROR,
+    LATERAL_ERROR,
+    POINT_STEP,
     STATES,
-    STEP,
     PreviewParameters,
     _model,
     preview_gains,
@@ -102,16 +102,16 @@ def test_gains_are_those_of_the_textbook():
     for n, speed in enumerate(speeds):
         both = np.zeros((len(STATES) + 1, len(STATES) + 1))
         both[:-1] = np.hstack([a[n], b[n]])
-        stepped = expm(both * STEP)
+        stepped = expm(both * POINT_STEP)
         a_step, b_step = stepped[:-1, :-1], stepped[:-1, -1:]
         away = np.array([[1.0, 0.0, speed, 0.0, 0.0, 0.0, 0.0]])
         weight = away.T @ away / p.lateral_rate**2
-        weight[LATERAL, LATERAL] += 1.0 / p.lateral_error**2
+        weight[LATERAL_ERROR, LATERAL_ERROR] += 1.0 / p.lateral_error**2
         cost = solve_discrete_are(a_step, b_step, weight, np.array([[1.0 / p.steering_rate**2]]))
         share = 1.0 / p.steering_rate**2 + b_step.T @ cost @ b_step
         feedback = b_step.T @ cost @ a_step / share
         assert gains.feedback[n * len(STATES) : (n + 1) * len(STATES)] == pytest.approx(feedback[0], rel=1e-6)
-        ahead, kept = cost[:, HEADING], (a_step - b_step @ feedback).T
+        ahead, kept = cost[:, HEADING_ERROR], (a_step - b_step @ feedback).T
         for gain in gains.preview[n * points : (n + 1) * points - 1]:
             assert gain == pytest.approx((b_step[:, 0] @ ahead / share).item(), rel=1e-6, abs=1e-6)
             ahead = kept @ ahead

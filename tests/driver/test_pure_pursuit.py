@@ -8,8 +8,8 @@ import pytest
 
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import BodyPose
+from ev_sim.driver.followers import PurePursuitParameters, pure_pursuit
 from ev_sim.driver.path import PathParameters, path_of
-from ev_sim.driver.path_follower import PurePursuitParameters, pure_pursuit
 
 PERIOD = 0.01
 

@@ -13,7 +13,7 @@ from ev_core.methods.register import create
 from ev_core.parameters.values import build
 from ev_msgs_py.contract.signals import Instant, SteeringColumnState, WheelStates
 from ev_msgs_py.contract.wheels import NO_WHEELS
-from ev_sim.driver.profile_driver import AngleControlParameters, AngleControlState, turn_to_angle
+from ev_sim.driver.followers import AngleControlParameters, AngleControlState, turn_to_angle
 
 
 def test_first_step_by_hand():

@@ -6,7 +6,7 @@ from drives.bench import BUS_VOLTAGE, CONTROLS, RESISTANCE, advance_drive, drive
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_sim.drives.drive import DRIVES
+from ev_sim.drives.drive import DRIVE_MODELS
 
 
 @pytest.mark.parametrize("changes", CONTROLS, ids=name_of)
@@ -49,7 +49,7 @@ def test_what_is_left_of_the_electrical_energy_is_copper_loss(changes, torque, s
     assert electrical - mechanical - magnetic_energy(changes["drive"], state) == pytest.approx(copper, rel=0.01)
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("drive", DRIVE_MODELS)
 def test_braking_feeds_the_bus(drive):
     """-40 N m at 40 rad/s: 1600 W of mechanical power less 2 R i^2 = 30 W, 2 % for the commutations."""
     result = run({"drive": drive}, -40.0, 40.0, duration=0.2, settled=0.1)

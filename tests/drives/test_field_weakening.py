@@ -12,8 +12,7 @@ from ev_msgs_py.can.drive_states import OPERATION_ENABLED
 from ev_msgs_py.can.frames import TORQUE_MODE
 from ev_sim.drives.electrical_side import loss_power
 from ev_sim.drives.synchronous_motor import phase_values, torque_per_current, voltage_limited_torque, weakening_loss
-from ev_sim.inverter.device import Inverter
-from ev_sim.inverter.inverter_parameters import InverterParameters
+from ev_sim.inverter.device import Inverter, InverterParameters
 from ev_sim.inverter.power_stage import advance_torque
 
 VOLTAGE = 659.2  # 206 cells at 3.2 V

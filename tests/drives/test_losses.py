@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from ev_core.vehicle.motor import Motor
-from ev_sim.drives.electrical_side import loss_power, map_loss_power, map_loss_powers
+from ev_sim.drives.electrical_side import loss_power, map_loss_power
 
 
 def test_losses_and_efficiency_map_agree():
@@ -55,17 +53,3 @@ def test_losses_of_a_map_have_no_jumps(torque):
     losses = np.array([map_loss_power(torque, speed, SPEEDS, TORQUES, EFFICIENCY) for speed in speeds])
     assert np.abs(np.diff(losses)).max() < 1.0
     assert losses.min() > 0.0
-
-
-@given(
-    pairs=st.lists(st.tuples(st.floats(-200.0, 200.0), st.floats(-500.0, 500.0)), min_size=1, max_size=30),
-    with_rest=st.booleans(),
-)
-def test_losses_over_time_are_those_one_by_one(pairs, with_rest):
-    """Inside, on the edges and outside of a map, with and without a row at standstill; equal to the bit."""
-    pairs = [*pairs, *((-t, w) for t in TORQUES for w in SPEEDS), (0.0, 0.0)]
-    speeds = [0.0, *SPEEDS] if with_rest else SPEEDS
-    of_map = speeds, TORQUES, [0.3, 0.4, *EFFICIENCY] if with_rest else EFFICIENCY
-    torque, speed = np.array(pairs).T
-    found = map_loss_powers(torque, speed, *of_map).tolist()
-    assert found == [map_loss_power(t, w, *of_map) for t, w in zip(torque.tolist(), speed.tolist(), strict=True)]

@@ -22,10 +22,10 @@ from hypothesis import strategies as st
 from ev_core.parameters.values import build
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.drives.brushless_motor import SECTOR
-from ev_sim.drives.drive import DRIVES, DriveParameters
+from ev_sim.drives.drive import DRIVE_MODELS, DriveParameters
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("drive", DRIVE_MODELS)
 def test_torque_reference_is_limited_to_the_torque_limit(drive):
     """2 % is more than the hysteresis band of 0.5 A in 25 A adds to the mean over 1 ms."""
     for sign in (1.0, -1.0):

@@ -97,7 +97,7 @@ def test_a_start_and_the_parameters_that_a_library_declares(refused):
     assert law.state == [4.0]
     assert law.answer(0.0, {"torque_request.drive.front_left": 3.0})["torque_command.drive.front_left"] == 3.0
     assert law.state == [5.0]
-    with pytest.raises(ParameterError, match=r"^unknown parameter of asr 'limt'; known: limit, "):
+    with pytest.raises(ParameterError, match=r"^unknown parameter of asr 'limt'; did you mean limit"):
         configure("asr", {"method": library, "limt": 4.0})
     with pytest.raises(ParameterError, match=r"^parameter limit: -1\.0 is refused, allowed is at least 0 N m$"):
         configure("asr", {"method": library, "limit": -1.0})

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from ev_core.parameters.values import build
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.driver.profile_driver import SpeedProfileDriverParameters
+from ev_sim.driver.followers import SpeedProfileDriverParameters
 from ev_sim.profiles.profile import number_until, profile_of, value_at
 
 

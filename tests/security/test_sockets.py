@@ -48,7 +48,8 @@ kill $worker $scheduler; wait; exit $status
 """
 STRANGERS = pack_message(can.Message(arbitration_id=0x123, is_extended_id=False))
 INSIDER = """
-from ev_core.bus.channel import Channel, Frame
+from ev_core.bus.channel import Channel
+from ev_msgs_py.can.frame_length import Frame
 Channel("udp_multicast", "{0.address}:{0.port}").send(Frame(0x124, b""))
 """
 # By way of running: the words of a shell, and how many sockets it has at least

@@ -166,6 +166,15 @@ def free_port() -> int:
         return probe.getsockname()[1]
 
 
+def wait_for_listener(port: int) -> None:
+    """A scheduler takes longer to start than what is waited for its workers here; the time limit of a test ends it."""
+    while True:
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        time.sleep(0.05)
+
+
 def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here, tmp_path, monkeypatch):
     """A real scheduler and two workers, all processes of their own; one worker is killed after the first result."""
     lost = tmp_path / "lost"
@@ -214,11 +223,10 @@ def test_scheduler_without_workers(monkeypatch):
     monkeypatch.setattr("ev_sim.study.workers._PATIENCE", 3.0)
     address = f"tcp://127.0.0.1:{free_port()}"
     port = address.rpartition(":")[2]
-    with (
-        process("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"),
-        pytest.raises(RunFailed, match="has no workers"),
-    ):
-        drive_cases(CASES[:1], last_speed, scheduler=address)
+    with process("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"):
+        wait_for_listener(int(port))
+        with pytest.raises(RunFailed, match="has no workers"):
+            drive_cases(CASES[:1], last_speed, scheduler=address)
 
 
 @pytest.mark.parametrize(

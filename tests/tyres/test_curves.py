@@ -83,9 +83,9 @@ def test_secant_is_finite_and_never_negative(curve):
 def test_slip_vector_stays_on_the_friction_circle_and_uncoupled_does_not():
     c = on_road("burckhardt", "dry_asphalt")
     tyre = namespace(number_tree(Tyre()))
-    x, y = slip_vector(tyre, c, 1.0, 1.0, 10.0, 0.1, 0.1)
+    x, y = slip_vector(tyre, c, (1.0, 1.0), 10.0, (0.1, 0.1))
     assert math.hypot(x * 0.1, y * 0.1) == pytest.approx(burckhardt(math.hypot(0.1, 0.1), *c))
-    x, y = uncoupled(tyre, c, 1.0, 1.0, 10.0, 10.0, 0.1, 0.1)
+    x, y = uncoupled(tyre, c, (1.0, 1.0), (10.0, 10.0), (0.1, 0.1))
     assert x * 0.1 == y * 0.1 == pytest.approx(burckhardt(0.1, *c))
 
 

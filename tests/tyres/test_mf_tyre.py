@@ -80,7 +80,7 @@ def test_plant_slides_at_the_slips_of_the_formula():
     along, slip_x, slip_y = 20.0, 0.8, -1.1
     rim = along + slip_x
     loaded = at_load(TYRES, 0, 3500.0, 1.0, 1.0, True)
-    of_x, of_y = weighted(TYRES, 0, loaded, slip_x, slip_y, along, rim, 0.0, 0.0, True)
+    of_x, of_y = weighted(TYRES, 0, loaded, (slip_x, slip_y), along, rim, (0.0, 0.0), True)
     expected = forces_at(TYRES, 3500.0, slip_x / along, math.atan(-slip_y / along), True)
     assert (of_x * slip_x / rim, -of_y * slip_y / rim) == pytest.approx(expected, rel=1e-12)
     assert loaded.peak_x > expected[0] and loaded.peak_y > expected[1]

@@ -14,7 +14,7 @@ from ev_core.sensors.row import QUANTITIES
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.inverter.inverter_parameters import InverterNodeParameters
+from ev_sim.inverter.device import InverterNodeParameters
 from ev_sim.recording.run_recorder import RecorderParameters
 from ev_sim.scenarios.about import ScenarioParameters
 

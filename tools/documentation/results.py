@@ -11,7 +11,7 @@ from documentation.markdown import code, table
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
 from ev_papers.shchur2019 import paper
-from ev_sim.drives.drive import DRIVES
+from ev_sim.drives.drive import DRIVE_MODELS
 from ev_sim.measures.metric import Metric
 from ev_sim.measures.samples import Parameters, Runs
 from ev_sim.recording.offline import run_offline
@@ -61,7 +61,8 @@ def drive(scenario: str, values: Sequence[tuple[str, str, object]] = ()) -> Driv
 def drive_all() -> dict[str, dict[str, Driven]]:
     """Every scenario of the paper with every drive model: scenario -> drive model -> run."""
     return {
-        scenario: {model: drive(scenario, [(MASTER, "drive", model)]) for model in DRIVES} for scenario in SCENARIOS
+        scenario: {model: drive(scenario, [(MASTER, "drive", model)]) for model in DRIVE_MODELS}
+        for scenario in SCENARIOS
     }
 
 
@@ -84,12 +85,14 @@ def result_table(driven: Mapping[str, Mapping[str, Driven]]) -> str:
     rows = []
     for scenario, by_model in driven.items():
         metrics = {model: run.metrics for model, run in by_model.items()}
-        for name, first in metrics[DRIVES[0]].items():
-            cells = [_cell(metrics[model][name]) for model in DRIVES]
+        for name, first in metrics[DRIVE_MODELS[0]].items():
+            cells = [_cell(metrics[model][name]) for model in DRIVE_MODELS]
             reference = first.reference
             printed = "" if reference is None else f"{reference.value:.5g}"
             rows.append((code(scenario), code(name), first.unit, printed, *cells, first.judgement))
-    return table(("scenario", "metric", "unit", "paper", *(f"{model} drives" for model in DRIVES), "verdict"), rows)
+    return table(
+        ("scenario", "metric", "unit", "paper", *(f"{model} drives" for model in DRIVE_MODELS), "verdict"), rows
+    )
 
 
 def _cell(metric: Metric) -> str:
@@ -104,5 +107,5 @@ def save_images(driven: Mapping[str, Mapping[str, Driven]], folder: Path) -> Non
     from documentation.images import save_small
 
     for scenario, file in FIGURES.items():
-        figures = driven[scenario][DRIVES[0]].figures
+        figures = driven[scenario][DRIVE_MODELS[0]].figures
         save_small({Path(file).stem: next(iter(figures.values()))}, folder)

@@ -29,9 +29,20 @@ MODEL = [
     ("diss.kf", ("*", "vehicle.rolling_resistance_speed", 5e-7)),
     ("diss.bench.battery", ("*", "vehicle.battery.capacity", 120.0)),
     ("diss.road.share", ("plant", "road.random_probability", (0.5, 0.5))),
+    ("diss.driver.above", ("driver", "level.factor", 0.9)),
+    ("diss.bench.precharge", ("test_bench", "dc_link.precharge_resistance", 500.0)),
+    ("diss.free.least_grip", ("*", "vehicle.driveline.coupling", "individual")),
+    ("diss.corridor.radii", ("*", "vehicle.wheel_radius_ratio", (1.0, 1.0, 1.0, 1.0))),
+    ("diss.pi_unstable", ("*", "vehicle.motor.torque_lag", 0.005)),
+    ("diss.ideal.bend", ("driver", "pedals.drive_torque", (0.0, 0.0, 1800.0))),
+    ("diss.ideal.none", ("electronic_differential", "method", "adhesion_share")),
 ]
 EXPECTED = {"reproduced", "follows from the inputs"}
 SHORT = ("--drivers", "imposed_speed", "--seeds", "1", "--duration", "220")  # the first five windows of traction
+FEW = (  # of asr_shootout, for what is judged on all of it
+    *("--controls", "off", "maximum_transmissible_torque", "slip_window", "slip_window_side_force", "speed_corridor"),
+    *("--roads", "ice", "snow", "wet", "dry", "snow, bend of 25 m"),
+)
 STUDIES = [
     ("diss.t3.1.right", "driver.level.factor=0.3"),
     ("diss.t3.6.m3.mean", "driver.level.factor=1.4"),
@@ -85,6 +96,57 @@ def test_another_time_of_the_cycle_is_noticed(monkeypatch):
 def test_a_wheel_that_never_passes_its_peak_is_noticed(id: str):
     assert verdict_on(id).judgement == "reproduced"
     assert verdict_on(id, ("driver", "method", "tracking"), ("plant", "speed", "free")).judgement == "not measured"
+
+
+@pytest.mark.parametrize(
+    "id",
+    [
+        *("diss.asr.course", "diss.asr.wear", "diss.asr.dynamics", "diss.asr.losses"),
+        *("diss.modified_lambda", "diss.eq1.7.stabilises", "diss.set_points", "diss.side_force"),
+    ],
+)
+def test_motors_too_weak_to_spin_on_snow_make_no_control_better(id: str):
+    """What the survey says of slip controls holds where there is slip."""
+    motor = [word for of in ("peak", "nominal") for word in ("--set", f"*.vehicle.motor.{of}_torque=60.0")]
+
+    def driven_with(*further: str) -> Verdict:
+        return verdict_from(id, lambda need: dataclasses.replace(need, options=(*(need.options or FEW), *further)))
+
+    assert driven_with().judgement in ("reproduced", "in part")
+    assert driven_with(*motor).judgement == "not reproduced"
+
+
+@pytest.mark.parametrize(
+    "id",
+    [
+        *("diss.requirement.smooth", "diss.asr.torque_falls", "diss.ideal.proportion", "diss.bench.load_above"),
+        *("diss.burckhardt.C1", "diss.burckhardt.C3"),
+        pytest.param("diss.direct_torque", marks=pytest.mark.slow),
+        pytest.param("diss.direct_torque.fastest", marks=pytest.mark.slow),
+    ],
+)
+def test_claims_that_do_not_hold(id: str):
+    """Any control of the slip does as well as one of the torque; method 1 shares by halves; C_1 is no peak."""
+    assert verdict_on(id).judgement == "not reproduced"
+
+
+@pytest.mark.parametrize("id", ["diss.limited.advantages", "diss.requirement.calm", "diss.fig5.26.cause"])
+def test_claims_that_hold_in_part(id: str):
+    assert verdict_on(id).judgement == "in part"
+
+
+def test_sharing_by_adhesion_is_in_proportion():
+    """Method 5 has the property that method 1 lacks."""
+    changed = ("electronic_differential", "method", "adhesion_share")
+    assert verdict_on("diss.ideal.proportion", changed).judgement == "reproduced"
+
+
+@pytest.mark.parametrize("id", ["diss.ideal.grip", "diss.ideal.limit"])
+def test_methods_without_asr_lack_what_method_1_has(id: str):
+    found = verdict_on(id)
+    assert found.judgement == "reproduced"
+    low, high = found.published.checks[0].band()
+    assert not low <= found.metrics["method 2"].value <= high
 
 
 def test_holding_the_previous_current_does_not_hold_the_wheel():

@@ -42,6 +42,11 @@ def test_verdict_is_the_expected_one(id: str):
         ("ge.claim.outer_slip_low", ("driver", "pedals.drive_torque", (2800.0,))),
         ("ge.target", ("electronic_differential", "target_slip", 0.12)),
         ("ge.turn_in", ("electronic_differential", "yaw_gain", 0.12)),
+        ("ge.parameters", ("*", "vehicle.mass", 2501.0)),
+        ("ge.law", ("electronic_differential", "k_outer", 90.0)),
+        ("ge.run", ("plant", "initial_speed", 5.1)),
+        ("ge.claim.best_force", ("electronic_differential", "target_slip", 0.06)),
+        ("ge.claim.yaw_target", ("electronic_differential", "yaw_gain", 0.0)),
     ],
 )
 def test_another_parameter_is_noticed(id: str, changed):

@@ -51,6 +51,12 @@ def test_everything_else_that_can_be_judged_is_reproduced(id: str):
         ("shchur.fig4.wheel_speeds", ("*", "vehicle.wheel_radius", 0.3)),
         ("shchur.fig4.dV", ("*", "vehicle.front_track", 1.5)),
         ("shchur.angles30", ("*", "vehicle.wheelbase", 2.5)),
+        ("shchur.column", ("steering_column", "inertia", 2.9)),
+        ("shchur.law", ("electronic_differential", "b_ck", 0.06)),
+        ("shchur.car", ("*", "vehicle.air_density", 1.2)),
+        ("shchur.drives", ("plant", "motor.resistance", 0.2)),
+        ("shchur.ackermann", ("*", "vehicle.steering_geometry", "parallel")),
+        ("shchur.turn", ("driver", "steering.wanted_angle.angle", (0.0, 0.45, 0.0, -0.45, 0.0))),
     ],
 )
 def test_another_parameter_is_noticed(id: str, changed):

@@ -77,6 +77,8 @@ def test_eq_5_does_not_follow_from_the_line_above_it():
         ("zhil.compensated", ("driver", "speed_profile.speed", (6.9, 6.9, 14.0))),  # beyond what the friction allows
         ("zhil.eq7.neutral", (LAW, "speed_deadband", 5.0)),
         ("zhil.eq7.shares", (LAW, "largest_front_share", 0.4)),
+        ("zhil.small_angles", ("steering_column", "profile.angle", (0.0, 3.3))),
+        ("zhil.all_wheels", ("driver", "pedals.drive_torque", (350.0,))),  # less than one axle brings down
     ],
 )
 def test_another_parameter_is_noticed(id: str, changed):

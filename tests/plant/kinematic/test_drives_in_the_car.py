@@ -7,10 +7,10 @@ from plant.kinematic.car import AUDI, PERIOD, ROLLING_TORQUE, WITHOUT_DRAG, WITH
 
 from ev_msgs_py.contract.signals import MotorStates, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.drives.drive import DRIVES
+from ev_sim.drives.drive import DRIVE_MODELS
 
 
-@pytest.mark.parametrize("drive", DRIVES[1:])
+@pytest.mark.parametrize("drive", DRIVE_MODELS[1:])
 def test_car_with_real_drives_moves_like_one_with_ideal_drives(drive):
     """To 15 km/h in 4 s; 1 % is what commutation takes from the torque up to this speed."""
     command = torque(1400.0 * 15 / 3.6 / 4 * 0.294 + ROLLING_TORQUE)
@@ -19,7 +19,7 @@ def test_car_with_real_drives_moves_like_one_with_ideal_drives(drive):
     assert Car(drive=drive).drive(command, steps=400).speed == pytest.approx(ideal.speed, rel=0.01)
 
 
-@pytest.mark.parametrize("drive", DRIVES[1:])
+@pytest.mark.parametrize("drive", DRIVE_MODELS[1:])
 def test_second_turn_loses_current_control_on_a_bus_of_300_volt(drive):
     """34 N m at each front wheel carry the car through the second turn. 7 %: commutation at 95 rad/s.
 

@@ -22,7 +22,7 @@ from ev_core.methods.register import create
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.signals import BodyPose, InertialMeasurement, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_sim.drives.drive import DRIVES
+from ev_sim.drives.drive import DRIVE_MODELS
 
 
 def test_outputs_are_what_the_plant_declares_and_its_role_allows():
@@ -33,7 +33,7 @@ def test_outputs_are_what_the_plant_declares_and_its_role_allows():
     assert {type(number) for number in numbers} == {float}
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("drive", DRIVE_MODELS)
 def test_car_at_rest_stays_at_rest(drive):
     car = Car(drive=drive).drive(steps=500, degrees=20.0)
     assert car.speed == 0.0
@@ -74,7 +74,7 @@ def test_coasting_down_follows_the_closed_solution_of_eq_13():
     assert fine == pytest.approx(coarse / 2, rel=0.01)
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("drive", DRIVE_MODELS)
 @pytest.mark.parametrize("speed", [8.0, -8.0])
 def test_brakes_bring_the_car_to_rest_and_hold_it(drive, speed):
     """Rest is exact and lasts, released brakes included; V^2/(2 a) without drag is met up to rounding (ideal drive)."""

@@ -15,7 +15,7 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueCommand,
 )
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.drives.drive import DRIVES
+from ev_sim.drives.drive import DRIVE_MODELS
 
 
 @pytest.mark.parametrize(
@@ -55,7 +55,7 @@ def test_held_angle_drives_a_circle(degrees):
     assert acceleration == pytest.approx(tuple(25.0 / radius * n for n in towards_centre), rel=1e-9)
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("drive", DRIVE_MODELS)
 def test_mirrored_commands_give_a_mirrored_car_to_the_last_bit(drive):
     def run(mirror):
         car = Car(drive=drive, initial_speed=3.0)

@@ -15,7 +15,7 @@ from ev_core.vehicle.driveline import Driveline
 from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import WheelStates
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_sim.drives.couplings import wheel_torques
+from ev_sim.drives.driveline import wheel_torques
 from ev_sim.plant.planar.planar_state import index
 
 

@@ -20,8 +20,7 @@ from ev_core.vehicle.motor import Engine, Gearbox
 from ev_msgs_py.contract.signals import MotorStates, WheelStates
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.drives.combustion_engine import COUPLING_POINT, converter_torques, full_load_torque
-from ev_sim.drives.couplings import shaft_speeds, wheel_torques
+from ev_sim.drives.driveline import COUPLING_POINT, converter_torques, full_load_torque, shaft_speeds, wheel_torques
 from ev_sim.plant.planar.planar_state import index
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides, load_scenario

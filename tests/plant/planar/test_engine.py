@@ -16,7 +16,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import Driveline
 from ev_core.vehicle.motor import Engine, Gearbox
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.drives.combustion_engine import EngineState, advance_engine
+from ev_sim.drives.driveline import EngineState, advance_engine
 from ev_sim.plant.planar.planar_state import VX, WHEEL_SPEED, index
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides, load_scenario

@@ -37,7 +37,7 @@ def pi_slip(p: PiSlipParameters, car: Car, w: PiSlipWheel, period: float, motion
     point of work the wheel alone gives J w S' = M - M_road, so the gains J w 2 D w_0 and J w w_0^2 place two poles of
     the natural frequency w_0; the slope of the tyre's curve, which is not linear, is left to them. Behind the peak it
     pushes them apart, the more the slower the wheel turns: with a target there the slip swings at low speed.
-    Dissertation, section 1.3: a PI controller for small changes about a point of work. The integral stops at the
+    Dissertation, first section 1.4: a PI controller for small changes about a point of work. The integral stops at the
     request.
     """
     slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)

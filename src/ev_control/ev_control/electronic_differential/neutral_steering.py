@@ -13,16 +13,24 @@ from ev_core.parameters.declaration import group, parameter, setting
 from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState, WheelStates, WheelTorqueRequest
 
 FACTORS = ("given", "inertia", "equality")
-GIVEN, INERTIA, EQUALITY = range(len(FACTORS))
+GIVEN_FACTOR, INERTIA_FACTOR, EQUALITY_FACTOR = range(len(FACTORS))
 SECOND_BRANCHES = ("printed", "derived", "rear_share")
 PRINTED, DERIVED, REAR_SHARE = range(len(SECOND_BRANCHES))
 LARGEST_OF_CARS = 100.0  # [m/s^2], more than any car's; with the next one it keeps the factor of eq 4 finite
 LEAST_FORCE = 1.0  # [N]
 
 
+BRAKING = ("straight", "deceleration", "command")
+BRAKES_STRAIGHT, DECELERATES, DRIVER_BRAKES = range(len(BRAKING))
+REAR_WHEELS = ("by_speed", "by_geometry")
+BY_SPEED, BY_GEOMETRY = range(len(REAR_WHEELS))
+FIRST_BRANCHES = ("front", "rear")
+FRONT_BRANCH, REAR_BRANCH = range(len(FIRST_BRANCHES))
+
+
 @dataclass(frozen=True, slots=True)
-class NeutralSteerParameters:
-    """How the equations are read where the source leaves a choice."""
+class AxleRedistributionParameters:
+    """How the source is read where it leaves a choice, where the slip angles come from, and deadbands."""
 
     factor: str = parameter(
         "given",
@@ -44,52 +52,6 @@ class NeutralSteerParameters:
     largest_front_share: float = parameter(
         0.5, unit="1", low=0.0, high=0.9, about="limit of the front share h_n", source="Zhileykin 2018"
     )
-
-
-@compilable
-def front_share(
-    p: NeutralSteerParameters, car: Car, front_slides: bool, cos_phi: float, acceleration: float, force: float
-) -> float:
-    """Share h_n [1] of the front axle, by the acceleration j [m/s^2], its angle phi to the car's axis and X [N].
-
-    K cos(phi) while the front slides (eq 4, where |W12| = 0 gives h_n X = 2 J_z j cos(phi)/L^2), and `second_branch`
-    while the rear does (eq 5), within 0..largest_front_share.
-    """
-    factor, lever = p.k, 2.0 * car.yaw_inertia / (car.wheelbase * car.wheelbase)
-    if p.factor == INERTIA:
-        factor = lever / car.mass
-    elif p.factor == EQUALITY:
-        factor = lever * min(acceleration, LARGEST_OF_CARS) / max(force, LEAST_FORCE)
-    share = factor * cos_phi
-    if not front_slides and p.second_branch == PRINTED:
-        share = factor * (1.0 - cos_phi)
-    elif not front_slides and p.second_branch == REAR_SHARE:
-        share = 1.0 - share
-    return min(max(share, 0.0), p.largest_front_share)
-
-
-@compilable
-def rear_difference(car: Car, road_wheel_angle: float, front_share: float) -> float:
-    """The difference q = L |Theta| h_n/(2 B (1 - h_n)) [1], at most 1 (eq 7 at constant speed); Theta [rad], h_n < 1.
-
-    Of the rear torque the slower wheel gets (1 + q)/2 and the faster one (1 - q)/2.
-    """
-    q = car.wheelbase * abs(road_wheel_angle) * front_share / (2.0 * car.rear_track * (1.0 - front_share))
-    return min(q, 1.0)
-
-
-BRAKING = ("straight", "deceleration", "command")
-STRAIGHT, DECELERATION, COMMAND = range(len(BRAKING))
-REAR_WHEELS = ("by_speed", "by_geometry")
-BY_SPEED, BY_GEOMETRY = range(len(REAR_WHEELS))
-FIRST_BRANCHES = ("front", "rear")
-FRONT, REAR = range(len(FIRST_BRANCHES))
-
-
-@dataclass(frozen=True, slots=True)
-class AxleRedistributionParameters(NeutralSteerParameters):
-    """How the source is read, where the slip angles come from, and deadbands."""
-
     source: str = parameter(
         "truth",
         choices=KNOWN_BY,
@@ -139,6 +101,38 @@ class AxleRedistributionParameters(NeutralSteerParameters):
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
+@compilable
+def front_share(
+    p: AxleRedistributionParameters, car: Car, front_slides: bool, cos_phi: float, acceleration: float, force: float
+) -> float:
+    """Share h_n [1] of the front axle, by the acceleration j [m/s^2], its angle phi to the car's axis and X [N].
+
+    K cos(phi) while the front slides (eq 4, where |W12| = 0 gives h_n X = 2 J_z j cos(phi)/L^2), and `second_branch`
+    while the rear does (eq 5), within 0..largest_front_share.
+    """
+    factor, lever = p.k, 2.0 * car.yaw_inertia / (car.wheelbase * car.wheelbase)
+    if p.factor == INERTIA_FACTOR:
+        factor = lever / car.mass
+    elif p.factor == EQUALITY_FACTOR:
+        factor = lever * min(acceleration, LARGEST_OF_CARS) / max(force, LEAST_FORCE)
+    share = factor * cos_phi
+    if not front_slides and p.second_branch == PRINTED:
+        share = factor * (1.0 - cos_phi)
+    elif not front_slides and p.second_branch == REAR_SHARE:
+        share = 1.0 - share
+    return min(max(share, 0.0), p.largest_front_share)
+
+
+@compilable
+def rear_difference(car: Car, road_wheel_angle: float, front_share: float) -> float:
+    """The difference q = L |Theta| h_n/(2 B (1 - h_n)) [1], at most 1 (eq 7 at constant speed); Theta [rad], h_n < 1.
+
+    Of the rear torque the slower wheel gets (1 + q)/2 and the faster one (1 - q)/2.
+    """
+    q = car.wheelbase * abs(road_wheel_angle) * front_share / (2.0 * car.rear_track * (1.0 - front_share))
+    return min(q, 1.0)
+
+
 @dataclass(slots=True)
 class AxleRedistributionState:
     """What lasts between steps."""
@@ -150,16 +144,11 @@ class AxleRedistributionState:
     observer: slip_angle_observer.SlipAngleObserverState = part(slip_angle_observer.SlipAngleObserverState)
 
 
-def first_branch(p: AxleRedistributionParameters) -> AxleRedistributionState:
-    """The state that begins on the branch of the parameters."""
-    return AxleRedistributionState(front_slides=1.0 if p.first_branch == FRONT else 0.0)
-
-
 @differential(
     "axle_redistribution",
     AxleRedistributionParameters,
     state=AxleRedistributionState,
-    start=first_branch,
+    start=lambda p: AxleRedistributionState(front_slides=1.0 if p.first_branch == FRONT_BRANCH else 0.0),
     needs=(ALL_WHEELS_DRIVEN,),
 )
 @compilable
@@ -206,10 +195,10 @@ def axle_redistribution(
             s.cos_phi = ahead * imu.longitudinal_acceleration / s.acceleration
     h = 0.0
     # The rear axle gets all torque, h = 0, for phi = pi, j_y = 0, j_x <= 0 (below eq 5).
-    if p.braking == COMMAND:
+    if p.braking == DRIVER_BRAKES:
         all_to_rear = ahead * torque < 0.0 or driver.brake_torque > 0.0
     else:
-        all_to_rear = s.cos_phi <= (0.0 if p.braking == DECELERATION else -cos(p.straight_angle))
+        all_to_rear = s.cos_phi <= (0.0 if p.braking == DECELERATES else -cos(p.straight_angle))
     if not all_to_rear:
         h = front_share(p, car, s.front_slides == 1.0, s.cos_phi, s.acceleration, ahead * torque / car.wheel_radius)
     inner = 1.0 if delta > 0.0 else -1.0

@@ -25,12 +25,15 @@ def slip_ratio(wheel_speed: float, ground_speed: float, slowest: float) -> float
 
 
 CONTROL_READINGS = ("rate", "offset", "increment")
-RATE, OFFSET, INCREMENT = range(len(CONTROL_READINGS))
+AS_RATE, AS_OFFSET, AS_INCREMENT = range(len(CONTROL_READINGS))
 
 
 @dataclass(frozen=True, slots=True)
-class SwitchingControlParameters:
-    """Gains and boundary layer, and what the control changes, which the source's damaged scan leaves open."""
+class SlipTargetParameters:
+    """Target slip ratios, and gains and boundary layer of the control that drives the wheels there.
+
+    What the control changes is left open by the source's damaged scan.
+    """
 
     reading: str = parameter(
         "rate",
@@ -63,30 +66,6 @@ class SwitchingControlParameters:
     largest_correction: float = parameter(
         0.5, unit="1", low=0.0, high=1.0, about="limit of a wheel's change over its share: no torque without the pedal"
     )
-
-
-@compilable
-def corrected(
-    p: SwitchingControlParameters, period: float, correction: float, outer: bool, error: float, limit: float
-) -> float:
-    """The next correction c of a wheel [N m] by its slip error D [1], within the limit [N m].
-
-    s = k sat(D/phi), or k sgn(D) without boundary layer: dc/dt = s (reading rate), c = s (offset), or c grows by s in
-    each control period (increment). Ge & Ni (2005), whose printed k = D/phi drops the gain.
-    """
-    gain = p.k_outer if outer else p.k_inner
-    if p.boundary_layer == 1.0:
-        switched = min(max(error / p.layer_width, -1.0), 1.0)
-    else:
-        switched = copysign(1.0, error) if error != 0.0 else 0.0
-    change = gain * (period if p.reading == RATE else 1.0) * switched
-    return min(max(change if p.reading == OFFSET else correction + change, -limit), limit)
-
-
-@dataclass(frozen=True, slots=True)
-class SlipTargetParameters(SwitchingControlParameters):
-    """Target slip ratios, and the control that drives the wheels there."""
-
     source: str = parameter(
         "truth",
         choices=KNOWN_BY,
@@ -107,6 +86,24 @@ class SlipTargetParameters(SwitchingControlParameters):
     )
     slowest: float = parameter(0.5, unit="m/s", low=0.01, high=10.0, about="least divisor of a slip ratio")
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
+
+
+@compilable
+def corrected(
+    p: SlipTargetParameters, period: float, correction: float, outer: bool, error: float, limit: float
+) -> float:
+    """The next correction c of a wheel [N m] by its slip error D [1], within the limit [N m].
+
+    s = k sat(D/phi), or k sgn(D) without boundary layer: dc/dt = s (reading rate), c = s (offset), or c grows by s in
+    each control period (increment). Ge & Ni (2005), whose printed k = D/phi drops the gain.
+    """
+    gain = p.k_outer if outer else p.k_inner
+    if p.boundary_layer == 1.0:
+        switched = min(max(error / p.layer_width, -1.0), 1.0)
+    else:
+        switched = copysign(1.0, error) if error != 0.0 else 0.0
+    change = gain * (period if p.reading == AS_RATE else 1.0) * switched
+    return min(max(change if p.reading == AS_OFFSET else correction + change, -limit), limit)
 
 
 @dataclass(slots=True)
@@ -170,8 +167,8 @@ def slip_target(
     return WheelTorqueRequest(Wheels(0.0, 0.0, share + s.left, share + s.right), equal.brake)
 
 
-KEEPS = ("torque", "speed")
-TORQUE, SPEED = range(len(KEEPS))
+KEPT_MEANS = ("torque", "speed")
+KEPT_TORQUE, KEPT_SPEED = range(len(KEPT_MEANS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,7 +177,7 @@ class WheelSpeedParameters:
 
     mean: str = parameter(
         "torque",
-        choices=KEEPS,
+        choices=KEPT_MEANS,
         about="torque: the torques add up to the driver's, only the difference of the speeds is commanded; speed: both "
         "speeds are, and their mean is held where it was when the pedal was pressed",
         source="assumption; Ge & Ni 2005 speak of the speed of each wheel as what is controlled",
@@ -246,7 +243,7 @@ def wheel_speed(
     mean, limit = (left + right) / 2.0, p.largest_correction * abs(share)
     if s.holds == 0.0:
         s.held, s.holds = mean, 1.0
-    wanted = s.held if p.mean == SPEED else mean
+    wanted = s.held if p.mean == KEPT_SPEED else mean
     turned = wanted * car.rear_track * tan(column.road_wheel_angle) / (2.0 * car.wheelbase)
     error = turned - (right - left) / 2.0
     s.difference = limited(s.difference + p.integral_gain * period * error, limit)

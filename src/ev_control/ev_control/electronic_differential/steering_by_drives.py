@@ -1,18 +1,22 @@
-"""Steering by the torque difference of two front drives: assisted, or in the place of a column (Shchur 2019)."""
+"""Steering by the torque difference of two front drives: assisted, alone, or shared with a yaw moment (Shchur 2019)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.estimation.plausible import is_plausible
+from ev_control.estimation.wheel_dynamics import wheel_load
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
+from ev_control.shared.allocation import Range, motor_range, within
 from ev_control.shared.torque_split import (
     AssistanceParameters,
     assistance,
     differential,
     torque_difference_per_steering_moment,
 )
-from ev_core.law import FRONT_WHEELS_DRIVEN, Car, compilable, entry, group, parameter
-from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
+from ev_core.law import InertialMeasurement, compilable, entry, group, method, parameter
+from ev_core.vehicle.car import FRONT_WHEELS_DRIVEN, GRAVITY, Car, only_driven
+from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, TireForces, WheelStates, WheelTorqueRequest
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,3 +151,140 @@ def steer_by_wire(
         s.integral += change
     moment = min(max(moment, -limit), limit)
     return allocated(p.allocation, car, wheels, split(p.brake, car, driver, difference_per_moment * moment))
+
+
+FIRSTS = ("steering", "yaw")
+STEERING_FIRST, YAW_FIRST = range(len(FIRSTS))
+WISHES = ("angle", "hand_torque")
+WISHED_ANGLE, WISHED_BY_TORQUE = range(len(WISHES))
+AGAINST = ("oversteer", "both")
+ONLY_OVERSTEER, EITHER_WAY = range(len(AGAINST))
+
+
+@dataclass(frozen=True, slots=True)
+class CourseStabilityParameters(AssistanceParameters):
+    """Who comes first, what the driver is taken to want, how firmly the car is held to it, and what the road holds."""
+
+    first: str = parameter(
+        "steering", choices=FIRSTS, about="what gets its part of the torque difference first: power steering or yaw",
+        source="assumption",
+    )  # fmt: skip
+    wish: str = parameter(
+        "hand_torque", choices=WISHES, source="assumption",
+        about="road-wheel angle that the driver wants: the one that is, or that at which eq 5 rests under his hands",
+    )  # fmt: skip
+    against: str = parameter(
+        "oversteer", choices=AGAINST, source="assumption",
+        about="both: the car yaws as is wanted; oversteer: no more than that, for where the front tyres slide a moment "
+        "into the bend only turns the road wheels further",
+    )  # fmt: skip
+    stiffness: float = parameter(
+        65.0, unit="N m/rad", low=0.001, high=1e5, about="restoring stiffness k_p, for the wish", source="Shchur 2019"
+    )
+    yaw_gain: float = parameter(
+        200.0, unit="N m s/rad", low=0.0, high=1e5, about="yaw moment per error of the yaw rate", source="assumption"
+    )  # fmt: skip
+    largest_hand_torque: float = parameter(
+        3.0, unit="N m", low=0.0, high=1000.0, about="yaw moment at most, as the hands feel it over the steering ratio",
+        source="assumption: what drivers still hold against",
+    )  # fmt: skip
+    understeer: float = parameter(
+        0.0, unit="s^2/m", low=-0.1, high=0.1, about="K of the reference r = u delta/(L + K u^2)", source="assumption"
+    )  # fmt: skip
+    error_factor: float = parameter(
+        1.0, unit="1", low=0.1, high=10.0, about="friction that the law believes in over that of the plant"
+    )
+    grip_share: float = parameter(
+        0.9, unit="1", low=0.0, high=1.0, about="share of the friction that yaw rate and torques may take",
+        source="assumption",
+    )  # fmt: skip
+    slowest: float = parameter(1.0, unit="m/s", low=0.01, high=10.0, about="speed below which there is no reference")
+    brake: BrakeSplitParameters = group(BrakeSplitParameters)
+
+
+@method(
+    "electronic_differential",
+    "course_stability",
+    CourseStabilityParameters,
+    needs=(FRONT_WHEELS_DRIVEN, only_driven("front_left", "front_right")),
+    mirrored=True,
+)
+@compilable
+def course_stability(
+    p: CourseStabilityParameters,
+    car: Car,
+    driver: DriverCommand,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+    tires: TireForces,
+) -> WheelTorqueRequest:
+    """Share the difference of the front wheels between power steering and a yaw moment, one after the other.
+
+    dM_s = (2 r_k i/d)(gamma M_b - k_ck alpha - b_ck alpha') (Shchur 2019, eq 4), dM_y = (2 r_k/d) M_z: by his eqs 2 and
+    3 the lever d/2 that turns the car turns the road wheels as well. M_z = k_r (r* - r) within +-i largest_hand_torque,
+    r* = u delta*/(L + K u^2) within +-share mu g/u, delta* what the driver wants, delta or by eq 5 at rest
+    (1 + gamma) i M_b/(k_p + i^2 k_ck). Of the room that motors and adhesion leave beside half of the drive torque on
+    each wheel, the first of both gets what it asks for, the other one its demand within the share that is left. u [m/s]
+    comes from the free rear wheels, the yaw rate r [rad/s] from its sensor; left positive. An absurd measurement leaves
+    eq 4 alone. Shchur names course stability as further work, without a law; this one is ours.
+    """
+    lever = torque_difference_per_steering_moment(car) / 2.0
+    steering, yaw = lever * car.steering_ratio * assistance(p, column), 0.0
+    if is_plausible(column, wheels, imu):
+        mu = tires.friction_coefficient
+        friction = p.error_factor * min(mu.front_left, mu.front_right)
+        rear_speed = car.wheel_radius * (wheels.velocity.rear_left + wheels.velocity.rear_right) / 2.0
+        yaw = lever * yaw_moment(p, car, friction, column, rear_speed, imu.yaw_rate)
+        room = room_of(p, car, friction, driver.drive_torque / 2.0, wheels, imu)
+        if p.first == STEERING_FIRST:
+            steering = within(room, steering)
+            yaw = within(left_over(room, steering), yaw)
+        else:
+            yaw = within(room, yaw)
+            steering = within(left_over(room, yaw), steering)
+    return split(p.brake, car, driver, 2.0 * (steering + yaw))
+
+
+@compilable
+def yaw_moment(
+    p: CourseStabilityParameters, car: Car, friction: float, column: SteeringColumnState, u: float, yaw_rate: float
+) -> float:
+    """M_z [N m] that brings the yaw rate to the one that the driver wants and the road allows, at a speed u [m/s]."""
+    if abs(u) < p.slowest:
+        return 0.0
+    wish = column.road_wheel_angle
+    if p.wish == WISHED_BY_TORQUE:
+        i = car.steering_ratio
+        wish = (1.0 + p.gamma) * i * column.hand_torque / (p.stiffness + i * i * p.k_ck)
+    limit = p.grip_share * friction * GRAVITY / abs(u)
+    wanted = min(max(u * wish / (car.wheelbase + p.understeer * u * u), -limit), limit)
+    least, most = (min(wanted, 0.0), max(wanted, 0.0)) if p.against == ONLY_OVERSTEER else (wanted, wanted)
+    error = min(max(yaw_rate, least), most) - yaw_rate
+    largest = car.steering_ratio * p.largest_hand_torque
+    return min(max(p.yaw_gain * error, -largest), largest)
+
+
+@compilable
+def room_of(
+    p: CourseStabilityParameters, car: Car, friction: float, share: float, wheels: WheelStates, imu: InertialMeasurement
+) -> Range:
+    """Half torque differences [N m], right minus left, that can be had beside a share of the drive torque of each.
+
+    They are what motors give and tyres hold along the wheel; zero is one of them.
+    """
+    along = p.grip_share * friction * car.wheel_radius
+    grip_left = along * wheel_load(car, 0, imu.longitudinal_acceleration, imu.lateral_acceleration)
+    grip_right = along * wheel_load(car, 1, imu.longitudinal_acceleration, imu.lateral_acceleration)
+    left, right = motor_range(car, 0, wheels.velocity[0]), motor_range(car, 1, wheels.velocity[1])
+    least = max(max(right.least, -grip_right) - share, share - min(left.most, grip_left))
+    most = min(min(right.most, grip_right) - share, share - max(left.least, -grip_left))
+    return Range(min(least, 0.0), max(most, 0.0))
+
+
+@compilable
+def left_over(room: Range, taken: float) -> Range:
+    """The share of the room that half a difference [N m] leaves."""
+    end = room.most if taken >= 0.0 else room.least
+    rest = 1.0 - taken / end if end != 0.0 else 1.0
+    return Range(rest * room.least, rest * room.most)

@@ -11,8 +11,8 @@ from ev_control.estimation.wheel_dynamics import wheel_loads
 from ev_control.law import BrakeSplitParameters, split, split_brake
 from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
-from ev_core.law import WHEEL_NAMES, Car, InertialMeasurement, Vehicle, Wheels, compilable, group, parameter, part
-from ev_core.vehicle.car import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN, each_driven
+from ev_core.law import WHEEL_NAMES, InertialMeasurement, Vehicle, Wheels, compilable, group, parameter, part
+from ev_core.vehicle.car import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN, Car, each_driven
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, TireForces, WheelStates, WheelTorqueRequest
 from ev_msgs_py.refusal import ParameterError
 
@@ -107,16 +107,11 @@ class AdhesionShareState:
     estimate: friction_estimate.FrictionEstimateState = part(friction_estimate.FrictionEstimateState)
 
 
-def begin(p: AdhesionShareParameters) -> AdhesionShareState:
-    """The state that knows nothing of the road."""
-    return AdhesionShareState(friction_estimate.unknown_road(p.estimate))
-
-
 @differential(
     "adhesion_share",
     AdhesionShareParameters,
     state=AdhesionShareState,
-    start=begin,
+    start=lambda p: AdhesionShareState(friction_estimate.unknown_road(p.estimate)),
     needs=(each_driven, free_wheels_for("estimate.reference"), own_motors_to_allocate),
 )
 @compilable
@@ -176,7 +171,7 @@ def grip(car: Car, wheel: int, total: float, friction: float, load: float, speed
 
 
 CORRECTED_AXLES = ("automatic", "front", "rear")
-AUTOMATIC, FRONT, REAR = range(len(CORRECTED_AXLES))
+EITHER_AXLE, FRONT_AXLE, REAR_AXLE = range(len(CORRECTED_AXLES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,7 +223,7 @@ def steering_correction(
     correction = min(max(p.gain * column.road_wheel_angle, -p.largest_correction), p.largest_correction)
     front_left, front_right, rear_left, rear_right = equal.drive
     front_can = car.driven[0] == 1.0 and car.driven[1] == 1.0 and car.differential[0] == 0.0
-    if p.axle == FRONT or (p.axle == AUTOMATIC and front_can):
+    if p.axle == FRONT_AXLE or (p.axle == EITHER_AXLE and front_can):
         front_left, front_right = front_left - front_left * correction, front_left + front_left * correction
     else:
         rear_left, rear_right = rear_left - rear_left * correction, rear_left + rear_left * correction

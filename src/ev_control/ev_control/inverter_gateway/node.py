@@ -5,11 +5,12 @@ from typing import Any
 from ev_control.inverter_gateway.gateway import GatewayParameters
 from ev_control.inverter_gateway.panel import Commands, Panel
 from ev_control.inverter_gateway.station import GatewayOnBus, GatewayStation
-from ev_core.bus.channel import Channels, Frame
+from ev_core.bus.channel import Channels
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.inbox import HoldingInbox
 from ev_core.nodes.bus_nodes import BusNode, RoleOnBus
 from ev_core.run_role import make_node, run_node, told
+from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 
 _ROLE, _METHOD = "inverter_gateway", "can"

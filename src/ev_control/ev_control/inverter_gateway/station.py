@@ -10,12 +10,12 @@ from typing import Any
 
 from ev_control.inverter_gateway import can, leading
 from ev_control.inverter_gateway.gateway import Device, Gateway, GatewayParameters
-from ev_core.bus.channel import Frame
 from ev_core.bus.parameters import CIRCUITS, load_database
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.law import LawObject, namespace
 from ev_core.parameters.declaration import number_tree
 from ev_msgs_py.can.database import Database
+from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import DEVICES, DRIVES, SENT, TICK, DeviceFrames, bench_frames, is_due
 from ev_msgs_py.can.payload import NO_FRAME, words
 from ev_msgs_py.contract.optional_signals import MOST_TICKS, BenchShafts, FeedbackFrames, LoadCommand, SetPointFrames

@@ -1,7 +1,6 @@
 """Registers the electronic differentials."""
 
 from ev_control.electronic_differential import (  # noqa: F401
-    course_stability,
     mechanical,
     neutral_steering,
     rear_targets,

@@ -7,13 +7,12 @@ import time
 from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
 
 import can
 
 from ev_core.bus.opening import open_channel
 from ev_core.bus.parameters import LOOPBACK, BusInterface
-from ev_msgs_py.can.frame_length import Header, header, wire_bits
+from ev_msgs_py.can.frame_length import Frame, Header, header, wire_bits
 from ev_msgs_py.refusal import quoted
 
 SUFFIXES = (".log", ".blf", ".mf4")
@@ -67,13 +66,6 @@ class BusMeter:
 
 _LONGEST = 8  # bytes of a classic frame
 _OLDEST = 0.1  # s: who is too slow for its bus leaves out what has waited for longer, and so keeps up
-
-
-class Frame(NamedTuple):
-    """A classic data frame with an 11-bit identifier."""
-
-    identifier: int
-    data: bytes
 
 
 class Channel:

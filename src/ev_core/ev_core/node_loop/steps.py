@@ -3,7 +3,7 @@
 Ordinary is a message of the admitted publisher, laid out as our nodes do, finite, and NEW by the protocol of
 `lockstep/inbox.py`, which is compiled here and works on the memory of the node's inbox. Whatever else comes ends the
 loop and is for Python to see to. Messages stand in a block of memory; how they are read and written there is the
-compiled form of `wire.message_format`.
+compiled form of `wire`.
 """
 
 from __future__ import annotations

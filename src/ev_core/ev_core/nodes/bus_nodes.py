@@ -12,7 +12,7 @@ from rclpy.clock import Clock as RosClock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
-from ev_core.bus.channel import Channels, Frame
+from ev_core.bus.channel import Channels
 from ev_core.bus.parameters import BusParameters, load_database
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.parts import bare, behind_sensors
@@ -24,6 +24,7 @@ from ev_core.nodes.stepped_node import SteppedNode
 from ev_core.parameters.declaration import entries
 from ev_core.parameters.values import build, replaced
 from ev_msgs_py.can.database import Database
+from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import TICK
 
 

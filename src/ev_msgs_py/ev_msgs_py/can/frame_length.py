@@ -17,6 +17,13 @@ NEVER_STUFFED = 13  # CRC delimiter, ACK slot, ACK delimiter, 7 bits end of fram
 _EQUAL_BITS = 5  # after which a stuff bit of the other value follows
 
 
+class Frame(NamedTuple):
+    """A classic data frame with an 11-bit identifier."""
+
+    identifier: int
+    data: bytes
+
+
 def longest_frame(length: int) -> int:
     """Bits of the longest frame with `length` bytes and the pause after it (Davis et al. 2007, eq 1): 135 with 8."""
     stuffed = _STUFFED_WITHOUT_DATA + 8 * length

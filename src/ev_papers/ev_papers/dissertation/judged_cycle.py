@@ -21,11 +21,12 @@ from ev_sim.drives.electrical_side import loss_power
 from ev_sim.measures.samples import channel, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.test_bench.sequence import SEQUENCE_STEPS, Sequence
-from ev_sim.verdicts.need import ScenarioRuns, StudyCases
+from ev_sim.verdicts.need import ScenarioRuns
 
 _KILOMETRE_PER_HOUR = 1 / 3.6  # [m/s]
 _CYCLE_TIME = 580.0  # [s]
 _CLEAR = 5.0  # N m, torque difference above which a sign is no noise
+_GRIPS = 0.05  # [1], slip below that of the peak on every road of the cycle
 _UNITS = {"rpm": np.pi / 30.0}  # [rad/s]
 
 
@@ -69,6 +70,11 @@ def length(driven: ScenarioRuns) -> float:
 def duration(driven: ScenarioRuns) -> float:
     """Duration of the driver's profile [s]."""
     return float(_points(driven)[-1, 0])
+
+
+def mean_speed(driven: ScenarioRuns) -> float:
+    """Mean speed of the driver's profile [km/h]."""
+    return length(driven) / duration(driven) / _KILOMETRE_PER_HOUR
 
 
 def windows(driven: ScenarioRuns) -> float:
@@ -164,11 +170,6 @@ def rises_then_falls(driven: ScenarioRuns) -> bool:
     return bool(x[0] < curve.peak < x[-1] and at(x[0]) < at(curve.peak) > at(x[-1]))
 
 
-def mean_slip(driven: StudyCases, road: str, control: str) -> float:
-    """Mean slip of a launch with a control [1]."""
-    return float(driven.results[f"{road}: {control}"].measured["mean_slip"])
-
-
 def _refused(sequence: Sequence, step: str) -> bool:
     try:
         sequence.after(step, cooling=True)
@@ -229,6 +230,14 @@ def spins_with_excess(driven: ScenarioRuns) -> float:
     return float((np.sign(gained[clear]) == np.sign(excess[clear])).mean())
 
 
+def load_above_machine(driven: ScenarioRuns) -> float:
+    """Share of the instants under torque without much slip at which M_nu is at least M_em [1]."""
+    run = _bench(driven)
+    machine, load = channel(run, f"motor_states.effort.{_RIGHT}"), channel(run, f"bench.load_command.torque.{_RIGHT}")
+    grips = (machine > _CLEAR) & (channel(run, f"tire_forces.slip_ratio.{_RIGHT}") < _GRIPS)
+    return float((load >= machine)[grips].mean())
+
+
 def circuits_apart(driven: ScenarioRuns) -> float:
     """Mean difference of the measured torques right and left in traction over the largest one [%]."""
     run = _bench(driven)
@@ -241,3 +250,8 @@ def difference(model: ScenarioRuns, bench: ScenarioRuns) -> float:
     run = _model(model)
     measured = channel(_bench(bench), f"bench.shafts.torque.{_RIGHT}")
     return apart(measured, channel(run, f"motor_states.effort.{_RIGHT}"), traction(run, model.parameters["driver"]))
+
+
+def difference_over(model: ScenarioRuns, bench: ScenarioRuns, exact: ScenarioRuns) -> float:
+    """That difference on a bench with exact sensors over that on the bench [1]."""
+    return difference(model, exact) / difference(model, bench)

@@ -14,7 +14,7 @@ from ev_papers.ge_ni2005.quantities import CHATTER_WINDOW, QUANTITIES, response_
 from ev_sim.measures import motion
 from ev_sim.measures.samples import channel, run_named
 from ev_sim.recording.recording import Recording
-from ev_sim.verdicts.need import ScenarioRuns
+from ev_sim.verdicts.need import ScenarioRuns, StudyCases
 
 BASELINE = "equal_torque"
 # A boundary layer as wide as any slip: what the reading `offset` adds to T* is k D, which tells the target.
@@ -25,6 +25,31 @@ OUTER_GAIN = 100.0  # k_R [N m]
 def quantity(driven: ScenarioRuns, name: str, run: str) -> float:
     """One of the QUANTITIES of a turn, in its unit."""
     return QUANTITIES[name][1](run_named(driven.runs, run))
+
+
+def over(driven: ScenarioRuns, other: ScenarioRuns, name: str, run: str) -> float:
+    """One of the QUANTITIES over that with other parameters [1]."""
+    return quantity(driven, name, run) / quantity(other, name, run)
+
+
+def tyre(driven: ScenarioRuns, place: float) -> float:
+    """A coefficient of the tyre's curve [1]."""
+    return driven.vehicle.tyre.coefficients[int(place)]
+
+
+def steered(driven: ScenarioRuns, run: str) -> float:
+    """Road-wheel angle in the end [rad]."""
+    return float(channel(run_named(driven.runs, run), motion.ROAD_WHEEL_ANGLE)[-1])
+
+
+def studied(driven: StudyCases, quantity: str, case: str) -> float:
+    """A quantity of ge_ni2005_wheel_speeds, of a case with `_` for each space of its name, in its unit."""
+    return float(driven.results[case.replace("_", " ")].measured[quantity])
+
+
+def slips_apart(driven: StudyCases, case: str) -> float:
+    """Difference of the slips of both rear wheels there in the end [1]."""
+    return studied(driven, "slip_left", case) - studied(driven, "slip_right", case)
 
 
 def load(driven: ScenarioRuns, side: str, run: str) -> float:

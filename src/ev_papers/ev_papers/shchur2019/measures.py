@@ -218,6 +218,18 @@ def slip_energy_over(driven: ScenarioRuns, other: ScenarioRuns) -> float:
     return handling.slip_energy(_cycle(driven), driven.vehicle) / handling.slip_energy(_cycle(other), other.vehicle)
 
 
+def centre_of_mass(driven: ScenarioRuns) -> float:
+    """Distance of the centre of mass from the rear axle over the wheelbase [1]."""
+    return driven.vehicle.centre_of_mass_to_rear_axle / driven.vehicle.wheelbase
+
+
+def driven_radius(driven: ScenarioRuns) -> float:
+    """Radius of the path of the centre of mass late in the left turn [m]."""
+    run = _cycle(driven)
+    speed, yaw_rate = (_mean(run, values, "left") for values in (motion.path_speed(run), channel(run, motion.YAW_RATE)))
+    return speed / yaw_rate
+
+
 def neglected_damping(driven: ScenarioRuns, speed: float) -> float:
     """The last term of eq 3 at a speed [km/h] as a viscous friction, for J_k = 1 kg m^2, over that of eq 5 [1]."""
     return speed / 3.6 * paper.TRACK**2 / (2.0 * paper.R_K**2 * paper.WHEELBASE) / paper.CLOSED_LOOP.damping

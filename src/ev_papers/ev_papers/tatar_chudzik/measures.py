@@ -35,6 +35,22 @@ def _across(driven: ScenarioRuns, run: str) -> dict[str, np.ndarray]:
     return {name: tyre_force(recording, wheel, driven.vehicle).y for name, wheel in WHEELS.items()}
 
 
+def steering_begins(driven: ScenarioRuns) -> float:
+    """When the front wheels begin to turn [s]."""
+    run = run_named(driven.runs, f"front_{EQUAL}")
+    return float(run.time[turning_in(run) - 1])
+
+
+def steered(driven: ScenarioRuns) -> float:
+    """Road-wheel angle in the end [rad]."""
+    return float(channel(run_named(driven.runs, f"front_{EQUAL}"), motion.ROAD_WHEEL_ANGLE)[-1])
+
+
+def curvature(driven: ScenarioRuns, run: str, speed: float) -> float:
+    """Curvature of the path [1/m]."""
+    return _passing(driven, run, speed, channel(run_named(driven.runs, run), motion.YAW_RATE)) / speed
+
+
 def force_y(driven: ScenarioRuns, wheel: str, run: str, speed: float) -> float:
     """F_y of a wheel in the axes of the car [N]."""
     return _passing(driven, run, speed, tyre_force(run_named(driven.runs, run), WHEELS[wheel], driven.vehicle).y)

@@ -26,7 +26,7 @@ from ev_msgs_py.contract.signals import (
     SteeringColumnState,
     WheelStates,
 )
-from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
+from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 from ev_papers.zhileykin2018 import grid, quantities
 from ev_papers.zhileykin2018.grid import REAR_DRIVE
 from ev_papers.zhileykin2018.quantities import LIMIT, NOMINAL, SHARES, SWING
@@ -86,6 +86,26 @@ def steering_ends(driven: ScenarioRuns) -> float:
 def peak_sideslip(driven: ScenarioRuns, run: str) -> float:
     """Largest sideslip angle of the moving car [rad]."""
     return handling.peak_sideslip(run_named(driven.runs, run))
+
+
+def largest_slip_angle(driven: ScenarioRuns, run: str) -> float:
+    """Largest slip angle of any wheel [rad]."""
+    return float(np.abs(_slip_angles(driven, run)).max())
+
+
+def _slip_angles(driven: ScenarioRuns, run: str) -> np.ndarray:
+    return np.array([channel(run_named(driven.runs, run), f"tire_forces.slip_angle.{wheel}") for wheel in WHEEL_NAMES])
+
+
+def sides_apart(driven: ScenarioRuns, run: str) -> float:
+    """Largest difference of the slip angles left and right over the largest slip angle [1]."""
+    angles = _slip_angles(driven, run)
+    return float(np.abs(angles[::2] - angles[1::2]).max() / np.abs(angles).max())
+
+
+def last_speed(driven: ScenarioRuns, run: str) -> float:
+    """Speed in the end [m/s]."""
+    return float(motion.path_speed(run_named(driven.runs, run))[-1])
 
 
 def off_the_circle(driven: ScenarioRuns, run: str) -> float:

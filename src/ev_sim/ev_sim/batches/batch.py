@@ -252,7 +252,10 @@ def batch(
     runs = Runs(configurations, variation, states, observation, times)
     workers = threads or len(os.sched_getaffinity(0))
     with ThreadPoolExecutor(workers) as pool:
-        portions = pool.map(runs.drive_some, _shared_out(variation.runs, workers))
+        # In portions: handing over each run alone costs a tenth of making it; the last ones shall be short.
+        size = max(variation.runs // (_PORTIONS * workers), 1)
+        begins = range(0, variation.runs, size)
+        portions = pool.map(runs.drive_some, [range(each, min(each + size, variation.runs)) for each in begins])
         failed = {run: text for portion in portions for run, text in portion.items()}
     reduced = observation.reduced()
     reduced[list(failed)] = np.nan
@@ -262,12 +265,6 @@ def batch(
         times[::every],
         failed,
     )
-
-
-def _shared_out(runs: int, workers: int) -> list[range]:
-    """The runs in portions: handing over each alone costs a tenth of making it; the last ones shall be short."""
-    size = max(runs // (_PORTIONS * workers), 1)
-    return [range(begin, min(begin + size, runs)) for begin in range(0, runs, size)]
 
 
 def _refuse_channels(configurations: Mapping[str, Configuration], channels: Iterable[str]) -> None:

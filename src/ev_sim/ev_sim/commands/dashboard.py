@@ -56,7 +56,9 @@ def _arguments(argv: list[str] | None) -> tuple[argparse.Namespace, list[str]]:
         allow_abbrev=False,
     )
     parser.add_argument("--port", type=int, default=8050, metavar="N", help="of the page, 0 for any; default 8050")
-    parser.add_argument("--namespace", default="/ev", metavar="/NAME", help="of the graph; default: %(default)s")
+    parser.add_argument(
+        "--namespace", metavar="/NAME", help="of the graph; default: that of the run, or of each in turn"
+    )
     given, words = parser.parse_known_args(argv)
     if words and words[0].startswith("-"):
         parser.error(f"{quoted(words[0])} is not known; options of a run stand behind its SCENARIO")

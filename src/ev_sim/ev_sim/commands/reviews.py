@@ -36,7 +36,7 @@ from ev_sim.verdicts.need import Driven, Need, drive, kept_by_user
 from ev_sim.verdicts.panels_page import INDEX, PublishedPanel, draw_panels, file_name, images_by_id, panels
 from ev_sim.verdicts.panels_page import write_page as write_panels
 from ev_sim.verdicts.sources import published, sources
-from ev_sim.verdicts.verdict import FILES, Verdict, counts, needs_of, plain_table, verdicts, wanted, write
+from ev_sim.verdicts.verdict import FILES, Verdict, counts, plain_table, verdict, wanted, write
 
 
 def _parser(name: str, about: str) -> Parser:
@@ -72,9 +72,9 @@ def judge_driven(only: Sequence[str] = (), quick: bool = False) -> tuple[list[Ve
 
     What is not kept yet is driven on all cores.
     """
-    chosen = wanted(only, quick)
-    driven = drive(needs_of(chosen), kept_by_user(), drive_with_progress)
-    return verdicts(chosen, driven), driven
+    chosen = [each for _, each in wanted(only, quick)]
+    driven = drive([need for each in chosen for need in each.needs], kept_by_user(), drive_with_progress)
+    return [verdict(each, [driven[need] for need in each.needs]) for each in chosen], driven
 
 
 def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> list[CaseResult]:

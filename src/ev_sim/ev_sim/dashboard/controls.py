@@ -138,6 +138,11 @@ class Controls:
         """Have the pages show a line."""
         self._tell(line(text, refused))
 
+    def close(self) -> None:
+        """Ask nobody any more."""
+        self._executor.shutdown()
+        self._node.destroy_node()
+
     def _find_nodes(self) -> None:
         here = self._node.get_namespace()
         there = self._node.get_node_names_and_namespaces()

@@ -9,12 +9,17 @@ import asyncio
 import json
 import signal
 import subprocess
+import time
 from collections import deque
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
+import tornado.iostream
 import tornado.web
 import tornado.websocket
+from rclpy.context import Context
+from rclpy.node import Node
 from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 
@@ -67,13 +72,13 @@ class Pages:
 
     def tell(self, message: Mapping[str, Any]) -> None:
         """Send a message to all pages."""
-        for page in self.open:
+        for page in tuple(self.open):
             page.send(message)
 
     def add(self, row: bytes) -> None:
         """Send a row of numbers to all pages; one that is slow misses some."""
         self.rows.append(row)
-        for page in self.open:
+        for page in tuple(self.open):
             page.send_row(row)
 
     def forget(self) -> None:
@@ -117,7 +122,7 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
         for message in self.pages.present():
             self.send(message)
         for row in self.pages.rows:
-            self._sent = self.write_message(row, binary=True)
+            self._sent = self._write(row)
         self.pages.open.add(self)
 
     def on_close(self) -> None:
@@ -135,32 +140,46 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
             self.send(line(str(error), refused=True))
 
     def send(self, message: Mapping[str, Any]) -> None:
-        """Send a message, unless the page has just gone."""
-        if self.ws_connection is not None:
-            self.write_message(json.dumps(message))
+        """Send a message, unless the page has gone."""
+        self._write(json.dumps(message))
 
     def send_row(self, row: bytes) -> None:
         """Send numbers, unless the page has not taken the last ones yet."""
-        if self.ws_connection is not None and (self._sent is None or self._sent.done()):
-            self._sent = self.write_message(row, binary=True)
+        if self._sent is None or self._sent.done():
+            self._sent = self._write(row)
+
+    def _write(self, message: str | bytes) -> Any:
+        """What tells when the message has left; None if the page has gone, which it may do at any moment."""
+        try:
+            return asyncio.ensure_future(self._left(self.write_message(message, isinstance(message, bytes))))
+        except tornado.websocket.WebSocketClosedError:
+            return None
+
+    @staticmethod
+    async def _left(sent: Any) -> None:
+        with suppress(tornado.websocket.WebSocketClosedError, tornado.iostream.StreamClosedError):
+            await sent
 
 
 _NODE = "dashboard"  # in the graph
+_NAMESPACE = "/ev"  # whose keys it has, where security is asked for
+_GRAPH_PERIOD = 1.0  # s between looks for a graph
 _PERIOD = 0.05  # s of wall time between two looks
 _PATIENCE = 10.0  # s for a graph to be found to which we are to attach
 
 
-async def attached(namespace: str, domain: int, port: int, run: subprocess.Popen | None) -> str | None:
+async def attached(namespace: str | None, domain: int, port: int, run: subprocess.Popen | None) -> str | None:
     """Serve pages until the run has ended, and return the reason in words; None if Ctrl-C or SIGTERM came first.
 
-    Without a `run` of our own the graph has ended when its master of time has left. RunFailed if there is none.
+    Without a `namespace` the pages show the graph that has a master of time, and another one after it. Without a `run`
+    of our own the graph has ended when its master has left. RunFailed if there is none.
     """
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     for kind in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(kind, stopped.set)
-    with observing(namespace, domain, _NODE) as observer:
-        dashboard = _Dashboard(observer, port)
+    with observing(namespace or _NAMESPACE, domain, _NODE) as observer:
+        dashboard = _Dashboard(observer, port, namespace)
         start = next_look = loop.time()
         try:
             print(f"dashboard: {dashboard.pages.url}", flush=True)
@@ -168,10 +187,11 @@ async def attached(namespace: str, domain: int, port: int, run: subprocess.Popen
                 dashboard.look()
                 if run is not None and run.poll() is not None:
                     return "the run has ended"
-                if run is None and dashboard.was_there and not dashboard.controls.has_master:
-                    return f"{namespace}/{MASTER} has left, the run has ended"
-                if run is None and not dashboard.was_there and loop.time() - start > _PATIENCE:
-                    raise RunFailed(f"no {namespace}/{MASTER} in ROS domain {domain} after {_PATIENCE:g} s")
+                if run is None and dashboard.master and not dashboard.has_master:
+                    return f"{dashboard.master} has left, the run has ended"
+                if run is None and not dashboard.master and loop.time() - start > _PATIENCE:
+                    anywhere = f"{namespace}/{MASTER}" if namespace else MASTER
+                    raise RunFailed(f"no {anywhere} in ROS domain {domain} after {_PATIENCE:g} s")
                 next_look = max(next_look + _PERIOD, loop.time())
                 await asyncio.sleep(next_look - loop.time())
             return None
@@ -180,47 +200,93 @@ async def attached(namespace: str, domain: int, port: int, run: subprocess.Popen
             await asyncio.sleep(0)  # so that the pages get it
 
 
-class _Dashboard:
-    """What comes from the graph, what can be asked, and the pages that show it."""
+class _Graph:
+    """What comes from the graph of a namespace, and what can be asked there."""
 
-    def __init__(self, observer: Any, port: int) -> None:
-        self.was_there = False
-        self._reported = Reported(observer)
-        self._said: set[str] = set()
-        self._columns: list[str] = []
-        self._time = 0.0
-        namespace = observer.get_namespace()
-        self.controls = Controls(observer.context, namespace, f"{_NODE}_controls", self._tell)
-        self.frames = LiveFrames(observer, self._refuse)
-        self.pages = Pages(f"EV Control Stack {namespace}", port, self.controls.obey, self._present)
+    def __init__(self, context: Context, namespace: str, tell: Callable[[dict[str, Any]], None]) -> None:
+        self.title = {"kind": "title", "text": f"EV Control Stack {namespace}"}
+        self._node = Node(f"{_NODE}_signals", context=context, namespace=namespace, start_parameter_services=False)
+        self.namespace, self._tell, self._said = namespace, tell, set[str]()
+        self.reported = Reported(self._node)
+        self.controls = Controls(context, namespace, f"{_NODE}_controls", self._tell_pages)
+        self.frames = LiveFrames(self._node, self._refuse)
 
-    def look(self) -> None:
-        """Take what has come and pass it on."""
-        for word, about_time in self._reported.look():
-            self.controls.say(word, refused=not about_time)
-        self.controls.look()
-        self.was_there |= self.controls.has_master
-        if not self.frames.look():
-            return
-        if self.frames.columns != self._columns or self.frames.time < self._time:
-            self._columns = self.frames.columns
-            self.pages.forget()
-            self.pages.tell(self.frames.layout())
-        self._time = self.frames.time
-        self.pages.add(self.frames.row())
-
-    def close(self) -> None:
-        """Let the pages go."""
-        self.pages.close()
-
-    def _present(self) -> list[dict[str, Any]]:
-        return [self.frames.layout(), *self.controls.nodes.values()]
-
-    def _tell(self, message: dict[str, Any]) -> None:
+    def _tell_pages(self, message: dict[str, Any]) -> None:
         self.frames.take_car(message)
-        self.pages.tell(message)
+        self._tell(message)
 
     def _refuse(self, cause: str, text: str) -> None:
         if cause not in self._said:
             self._said.add(cause)
             self.controls.say(text)
+
+    def close(self) -> None:
+        """Listen no longer, and let the pages forget its nodes."""
+        for name in self.controls.nodes:
+            self._tell({"kind": "gone", "node": name})
+        self.controls.close()
+        self._node.destroy_node()
+
+
+class _Dashboard:
+    """The pages, and the graph that they show: that of a namespace, or the one that runs."""
+
+    def __init__(self, observer: Any, port: int, namespace: str | None) -> None:
+        self.master = ""  # of the graph that is shown, once it was there
+        self._observer, self._next_look = observer, 0.0
+        self._columns: list[str] = []
+        self._time = 0.0
+        self.pages = Pages("EV Control Stack", port, self._obey, self._present)
+        self._graph: _Graph | None = None
+        self._may_change = namespace is None
+        if namespace is not None:
+            self._show(namespace)
+
+    @property
+    def has_master(self) -> bool:
+        """Whether the graph that is shown has a master of time."""
+        return self._graph is not None and self._graph.controls.has_master
+
+    def look(self) -> None:
+        """Take what has come and pass it on."""
+        if self._may_change and not self.has_master and time.monotonic() > self._next_look:
+            self._next_look = time.monotonic() + _GRAPH_PERIOD
+            there = {space for name, space in self._observer.get_node_names_and_namespaces() if name == MASTER}
+            if there and (self._graph is None or self._graph.namespace not in there):
+                self._show(min(there))
+        if (graph := self._graph) is None:
+            return
+        for word, about_time in graph.reported.look():
+            graph.controls.say(word, refused=not about_time)
+        graph.controls.look()
+        if graph.controls.has_master:
+            self.master = f"{graph.namespace}/{MASTER}"
+        if not graph.frames.look():
+            return
+        if graph.frames.columns != self._columns or graph.frames.time < self._time:
+            self._columns = graph.frames.columns
+            self.pages.forget()
+            self.pages.tell(graph.frames.layout())
+        self._time = graph.frames.time
+        self.pages.add(graph.frames.row())
+
+    def _show(self, namespace: str) -> None:
+        if self._graph is not None:
+            self._graph.close()
+        self._columns = []
+        self._graph = _Graph(self._observer.context, namespace, self.pages.tell)
+        self.pages.tell(self._graph.title)
+
+    def close(self) -> None:
+        """Let the pages go."""
+        self.pages.close()
+
+    def _obey(self, wish: Mapping[str, Any]) -> None:
+        if self._graph is None:
+            raise ValueError("no run is there yet: nothing was asked for")
+        self._graph.controls.obey(wish)
+
+    def _present(self) -> list[dict[str, Any]]:
+        if (graph := self._graph) is None:
+            return []
+        return [graph.title, graph.frames.layout(), *graph.controls.nodes.values()]

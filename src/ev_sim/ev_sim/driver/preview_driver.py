@@ -9,10 +9,9 @@ from typing import NamedTuple
 from ev_core.law import Car, Vehicle, atan2, compilable, entry, exp, group, part, speed_along_path
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_sim.driver import path as paths
-from ev_sim.driver.path_follower import LOOKING_ROUND, HandParameters
+from ev_sim.driver.followers import LOOKING_ROUND, AngleControlState, HandParameters, turn_to_angle
 from ev_sim.driver.pedals import FeetParameters, FeetProfiles, FeetState, driver_method, feet_profiles, work_pedals
-from ev_sim.driver.preview_gains import GAIN_SPEEDS, STATES, STEP, PreviewGains, PreviewParameters, preview_gains
-from ev_sim.driver.profile_driver import AngleControlState, turn_to_angle
+from ev_sim.driver.preview_gains import GAIN_SPEEDS, POINT_STEP, STATES, PreviewGains, PreviewParameters, preview_gains
 from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 from ev_sim.profiles.profile import number_until
 
@@ -87,14 +86,14 @@ def look_ahead(
 
     distance, leg = paths.nearest(path, pose.x, pose.y, int(s.leg))
     s.leg = float(leg)
-    reach = s.direction * taken * STEP
+    reach = s.direction * taken * POINT_STEP
     here_x, here_y = paths.point_at(path, distance, leg)
     next_x, next_y = paths.point_at(path, distance + reach, leg)
     along_x, along_y = s.direction * (next_x - here_x), s.direction * (next_y - here_y)
     z, w = pose.orientation_z, pose.orientation_w
     cosine, sine = w * w - z * z, 2.0 * z * w  # of the heading, from its quaternion
     heading = _turn(along_x, along_y, cosine, sine)
-    lateral = (along_x * (pose.y - here_y) - along_y * (pose.x - here_x)) / (taken * STEP)
+    lateral = (along_x * (pose.y - here_y) - along_y * (pose.x - here_x)) / (taken * POINT_STEP)
     if abs(speed) > GAIN_SPEEDS[0]:
         besides = wheels - (c.length / speed + c.gradient * abs(speed)) * body.yaw_rate
         sliding = (body.lateral - (c.arm - c.lag * abs(speed) * speed) * body.yaw_rate) / speed

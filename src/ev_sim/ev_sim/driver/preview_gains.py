@@ -17,14 +17,14 @@ import numpy as np
 from ev_core.law import Vehicle, parameter
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
 
-STEP = 0.05  # [s] from one point of the path that the driver looks at to the next
+POINT_STEP = 0.05  # [s] from one point of the path that the driver looks at to the next
 STATES = ("lateral_velocity", "yaw_rate", "heading_error", "lateral_error", "wheels", "arms", "intended")
-V, R, HEADING, LATERAL, WHEELS, ARMS, INTENDED = range(len(STATES))
+ASIDE, TURNING, HEADING_ERROR, LATERAL_ERROR, ROAD_WHEELS, ARMS, INTENDED = range(len(STATES))
 # The speeds [m/s] between which gains are interpolated. Below the first the driver looks as far as at it, for at rest
 # there would be nothing ahead.
 GAIN_SPEEDS = (4.0, 5.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 30.0, 36.0, 43.0, 51.0, 60.0)
 _HORIZON = 200  # steps of the sum that is least: 10 s, after which the gains no longer change
-_HALVINGS = 6  # of STEP before the exponential series of _SERIES terms, which then is exact to rounding
+_HALVINGS = 6  # of POINT_STEP before the exponential series of _SERIES terms, which then is exact to rounding
 _SERIES = 12
 
 
@@ -86,15 +86,15 @@ def preview_gains(p: PreviewParameters, vehicle: Vehicle) -> PreviewGains:
     Behind the last point the path is taken to bend on as there, so that a circle is followed without error however
     short the preview is.
     """
-    points = max(round(p.preview_time / STEP), 1)
+    points = max(round(p.preview_time / POINT_STEP), 1)
     speed = np.array([*GAIN_SPEEDS, *(-speed for speed in GAIN_SPEEDS)])
     a, b = _stepped(*_model(p, vehicle, speed))
     weight = np.zeros_like(a)
-    weight[:, LATERAL, LATERAL] = 1.0 / (p.lateral_error * p.lateral_error)
+    weight[:, LATERAL_ERROR, LATERAL_ERROR] = 1.0 / (p.lateral_error * p.lateral_error)
     minded = 1.0 / (p.lateral_rate * p.lateral_rate)
-    weight[:, V, V] = minded
-    weight[:, V, HEADING] = weight[:, HEADING, V] = minded * speed
-    weight[:, HEADING, HEADING] = minded * speed * speed
+    weight[:, ASIDE, ASIDE] = minded
+    weight[:, ASIDE, HEADING_ERROR] = weight[:, HEADING_ERROR, ASIDE] = minded * speed
+    weight[:, HEADING_ERROR, HEADING_ERROR] = minded * speed * speed
     effort = 1.0 / (p.steering_rate * p.steering_rate)
     a_turned, b_turned = a.swapaxes(1, 2), b.swapaxes(1, 2)
     cost = weight
@@ -105,7 +105,7 @@ def preview_gains(p: PreviewParameters, vehicle: Vehicle) -> PreviewGains:
         cost = weight + _product(_product(a_turned, cost), a - _product(b, feedback))
         cost = 0.5 * (cost + cost.swapaxes(1, 2))
     kept = (a - _product(b, feedback)).swapaxes(1, 2)
-    ahead, preview = cost[:, :, HEADING, None], []
+    ahead, preview = cost[:, :, HEADING_ERROR, None], []
     for _ in range(points + _HORIZON):
         preview.append((_product(b_turned, ahead) / share)[:, 0, 0])
         ahead = _product(kept, ahead)
@@ -122,16 +122,16 @@ def _model(p: PreviewParameters, vehicle: Vehicle, speed: np.ndarray) -> tuple[n
     axles = zip((vehicle.wheelbase - rear, -rear), axle_cornering_stiffnesses(vehicle), strict=True)
     a, b = np.zeros((len(speed), len(STATES), len(STATES))), np.zeros((len(speed), len(STATES), 1))
     for (place, stiffness), steered in zip(axles, (1.0, vehicle.rear_steering_ratio), strict=True):
-        for state, inertia in ((V, vehicle.mass), (R, vehicle.yaw_inertia / place)):
+        for state, inertia in ((ASIDE, vehicle.mass), (TURNING, vehicle.yaw_inertia / place)):
             force = stiffness / inertia / np.abs(speed)
-            a[:, state, V] -= force
-            a[:, state, R] -= force * place
-            a[:, state, WHEELS] += force * speed * steered
-    a[:, V, R] -= speed
-    a[:, HEADING, R] = 1.0
-    a[:, LATERAL, V] = 1.0
-    a[:, LATERAL, HEADING] = speed
-    for state, before, lag in ((WHEELS, ARMS, p.column_lag), (ARMS, INTENDED, p.lag)):
+            a[:, state, ASIDE] -= force
+            a[:, state, TURNING] -= force * place
+            a[:, state, ROAD_WHEELS] += force * speed * steered
+    a[:, ASIDE, TURNING] -= speed
+    a[:, HEADING_ERROR, TURNING] = 1.0
+    a[:, LATERAL_ERROR, ASIDE] = 1.0
+    a[:, LATERAL_ERROR, HEADING_ERROR] = speed
+    for state, before, lag in ((ROAD_WHEELS, ARMS, p.column_lag), (ARMS, INTENDED, p.lag)):
         a[:, state, before] = 1.0 / lag
         a[:, state, state] = -1.0 / lag
     b[:, INTENDED, 0] = 1.0
@@ -143,7 +143,7 @@ def _stepped(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     size = a.shape[1]
     both = np.zeros((len(a), size + 1, size + 1))
     both[:, :size, :size], both[:, :size, size:] = a, b
-    both *= math.ldexp(STEP, -_HALVINGS)
+    both *= math.ldexp(POINT_STEP, -_HALVINGS)
     found = term = np.zeros_like(both) + np.eye(size + 1)
     for n in range(1, _SERIES):
         term = _product(term, both) / n

@@ -11,8 +11,8 @@ from ev_core.law import Need, Vehicle, any_driven, compilable, entry, group, par
 from ev_core.methods.law import named_after
 from ev_core.vehicle.car import GRAVITY, Car, speed_along_path
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
+from ev_sim.driver.followers import LaneKeepingParameters, LaneKeepingState, keep_lane, road_notes
 from ev_sim.driver.path import Path, path_of
-from ev_sim.driver.path_follower import LaneKeepingParameters, LaneKeepingState, keep_lane, road_notes
 from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, driver_method, follow_speed
 from ev_sim.profiles.cycle_windows import TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
 from ev_sim.profiles.profile import Profile, SpeedProfileParameters, value_at, wanted_speed

@@ -31,19 +31,8 @@ import math
 from dataclasses import dataclass
 
 from ev_core.law import ParameterError, compilable, group, setting
-from ev_sim.drives.brushless_motor import (
-    AveragedDriveParameters,
-    CurrentControllerParameters,
-    DriveState,
-    MotorParameters,
-    advance_averaged,
-    controlled_voltage,
-    crossing_shape,
-    enter_sector,
-    time_to_edge,
-    torque_constant,
-    turned,
-)
+from ev_sim.drives import brushless_motor
+from ev_sim.drives.brushless_motor import DriveState, MotorParameters, crossing_shape, torque_constant
 
 CURRENT_CONTROLS = ("hysteresis", "pwm")
 HYSTERESIS, PWM = range(len(CURRENT_CONTROLS))
@@ -60,7 +49,7 @@ class SwitchedDriveParameters:
     pwm_frequency: float = setting(
         20e3, unit="Hz", low=1e3, high=1e5, about="pwm: carrier frequency, rounded to whole periods in a sub-step"
     )
-    current_controller: CurrentControllerParameters = group(CurrentControllerParameters)
+    current_controller: brushless_motor.CurrentControllerParameters = group(brushless_motor.CurrentControllerParameters)
     micro_step: float = setting(
         5e-6, unit="s", low=1e-7, high=1e-4, about="longest integration step; every switching instant also ends a step"
     )
@@ -73,17 +62,17 @@ class SwitchedDriveParameters:
             )
 
 
-DRIVES = ("ideal", "averaged", "switched")
-IDEAL, AVERAGED, SWITCHED = range(len(DRIVES))
+DRIVE_MODELS = ("ideal", "averaged", "switched")
+IDEAL_DRIVE, AVERAGED_DRIVE, SWITCHED_DRIVE = range(len(DRIVE_MODELS))
 
 
 @dataclass(frozen=True, slots=True)
 class DriveParameters:
     """Drive model with its motor; a plant's parameters inherit from it to have the same names."""
 
-    drive: str = setting("ideal", choices=DRIVES, about="depth of detail of the drives")
+    drive: str = setting("ideal", choices=DRIVE_MODELS, about="depth of detail of the drives")
     motor: MotorParameters = group(MotorParameters)
-    averaged: AveragedDriveParameters = group(AveragedDriveParameters)
+    averaged: brushless_motor.AveragedDriveParameters = group(brushless_motor.AveragedDriveParameters)
     switched: SwitchedDriveParameters = group(SwitchedDriveParameters)
 
 
@@ -116,13 +105,13 @@ def conduct(
     energy = 0.0
     remaining = duration
     while remaining > 0.0:
-        enter_sector(s, electrical_speed)
+        brushless_motor.enter_sector(s, electrical_speed)
         high, off = s.high_current, s.off_current
         current = pair_current(high, off)
         if sign * (current - limit) >= 0.0:
             break
 
-        to_edge = time_to_edge(s.sector_angle, electrical_speed)
+        to_edge = brushless_motor.time_to_edge(s.sector_angle, electrical_speed)
         step = min(remaining, p.switched.micro_step, to_edge)
         middle = s.sector_angle + electrical_speed * step / 2.0
         crossing = crossing_shape(s.sector, middle)
@@ -154,7 +143,7 @@ def conduct(
         energy += step * (high_voltage * mean_high - low_voltage * (mean_high + mean_off) + off_voltage * mean_off)
         s.high_current = next_high
         s.off_current = next_off
-        s.sector_angle = turned(s.sector_angle, electrical_speed, step, step == to_edge)
+        s.sector_angle = brushless_motor.turned(s.sector_angle, electrical_speed, step, step == to_edge)
         remaining -= step
         if at_limit:
             break
@@ -216,7 +205,7 @@ def advance_switched(
         period = duration / carriers
         for _ in range(carriers):
             current = pair_current(s.high_current, s.off_current)
-            voltage = controlled_voltage(
+            voltage = brushless_motor.controlled_voltage(
                 s, switched.current_controller, motor, reference, current, speed, bus_voltage, period
             )
             positive = period * (1.0 + voltage / bus_voltage) / 2.0
@@ -243,11 +232,11 @@ def advance_drive(
     """
     most = p.motor.torque_limit
     reference = min(max(torque_reference, -most), most)
-    if p.drive == IDEAL:  # the current is the one that the torque needs; the bus voltage limits nothing
+    if p.drive == IDEAL_DRIVE:  # the current is the one that the torque needs; the bus voltage limits nothing
         s.torque = s.mean_torque = reference
         s.current = reference / torque_constant(p.motor)
         s.electrical_power = reference * speed
-    elif p.drive == AVERAGED:
-        advance_averaged(s, p, reference, speed, bus_voltage, duration)
+    elif p.drive == AVERAGED_DRIVE:
+        brushless_motor.advance_averaged(s, p, reference, speed, bus_voltage, duration)
     else:
         advance_switched(s, p, reference, speed, bus_voltage, duration)

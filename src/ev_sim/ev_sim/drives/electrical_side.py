@@ -16,8 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from ev_core.law import inlined, sqrt
 from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.motor import Motor, ThermalParameters
@@ -127,34 +125,6 @@ def _place(axis: Sequence[float], value: float) -> tuple[int, float]:
     index = min(segment_at(axis, value, 0), len(axis) - 2)
     share = (value - axis[index]) / (axis[index + 1] - axis[index])
     return index, min(max(share, 0.0), 1.0)
-
-
-def map_loss_powers(
-    torque: np.ndarray,
-    speed: np.ndarray,
-    speeds: Sequence[float],
-    torques: Sequence[float],
-    efficiency: Sequence[float],
-) -> np.ndarray:
-    """`losses.map_loss_power` [W] at each pair of shaft torque [N m] and speed [rad/s], all (n,)."""
-    lowest = speeds[0] if speeds[0] > 0.0 else speeds[1]
-    turns, magnitude = np.maximum(np.abs(speed), lowest), np.abs(torque)
-    i, share_i = _places(speeds, turns)
-    j, share_j = _places(torques, magnitude)
-    table = np.reshape(efficiency, (len(speeds), len(torques)))
-    low = table[i, j] + share_j * (table[i, j + 1] - table[i, j])
-    high = table[i + 1, j] + share_j * (table[i + 1, j + 1] - table[i + 1, j])
-    eta = low + share_i * (high - low)
-    driving, generating = magnitude * turns * (1.0 / eta - 1.0), magnitude * turns * (1.0 - eta)
-    share = np.minimum(np.abs(speed) / lowest, 1.0)
-    return np.where(torque * speed >= 0.0, driving, (1.0 - share) * driving + share * generating)
-
-
-def _places(axis: Sequence[float], values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    points = np.array(axis)
-    index = np.clip(np.searchsorted(points, values, side="right") - 1, 0, len(points) - 2)
-    share = (values - points[index]) / (points[index + 1] - points[index])
-    return index, np.clip(share, 0.0, 1.0)
 
 
 _COOLANT = 60.0e3 / (3.5e3 * 1.06e3)  # K per W at 1 l/min: water with glycol, 3.5 kJ/(kg K), 1.06 kg/l, in l/min

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from ev_core.law import compilable, inlined, parameter, sqrt
 from ev_core.vehicle.motor import Motor, Winding, driving_torque, generating_torque
 
-SQRT_2 = 1.4142135623730951
-_SQRT_3 = 1.7320508075688772
+ROOT_2 = 1.4142135623730951
+_ROOT_3 = 1.7320508075688772
 _STANDSTILL = 1e-9  # rad/s
 
 
@@ -30,7 +30,7 @@ def torque_per_current(winding: Winding) -> float:
 @inlined
 def _reach(winding: Winding, voltage: float, speed: float) -> float:
     """U/|w_e|: the flux linkage [Wb] that the voltage of the DC link [V] can hold at a shaft speed [rad/s]."""
-    return winding.voltage_share * voltage / _SQRT_3 / (winding.pole_pairs * max(abs(speed), _STANDSTILL))
+    return winding.voltage_share * voltage / _ROOT_3 / (winding.pole_pairs * max(abs(speed), _STANDSTILL))
 
 
 @inlined
@@ -40,7 +40,7 @@ def voltage_limited_torque(winding: Winding, voltage: float, speed: float) -> fl
     Up to w_e = U/sqrt(psi^2 + (L I)^2) that of the largest current; then where the circles of current and voltage
     cross, i_d = ((U/w_e)^2 - psi^2 - (L I)^2)/(2 psi L); from i_d = -psi/L on the top of the circle of voltage.
     """
-    flux, inductance, most = winding.flux_linkage, winding.inductance, SQRT_2 * winding.largest_current
+    flux, inductance, most = winding.flux_linkage, winding.inductance, ROOT_2 * winding.largest_current
     reach = _reach(winding, voltage, speed)
     crossing = (reach * reach - flux * flux - inductance * most * inductance * most) / (2.0 * flux * inductance)
     direct = min(max(crossing, -flux / inductance), 0.0)
@@ -53,7 +53,7 @@ def voltage_limited_torque(winding: Winding, voltage: float, speed: float) -> fl
 @inlined
 def is_weakened(winding: Winding, voltage: float, speed: float) -> bool:
     """Whether a DC-link voltage [V] leaves less torque at a shaft speed [rad/s] than the largest current gives."""
-    most, held = SQRT_2 * winding.largest_current * winding.inductance, winding.voltage_share * voltage
+    most, held = ROOT_2 * winding.largest_current * winding.inductance, winding.voltage_share * voltage
     turns = winding.pole_pairs * speed
     return 3.0 * turns * turns * (winding.flux_linkage * winding.flux_linkage + most * most) > held * held
 
@@ -65,7 +65,7 @@ def weakening_current(winding: Winding, torque: float, voltage: float, speed: fl
     across = inductance * torque / torque_per_current(winding)
     reach = _reach(winding, voltage, speed)
     direct = (sqrt(max(reach * reach - across * across, 0.0)) - flux) / inductance
-    return min(max(direct, -SQRT_2 * winding.largest_current), 0.0)
+    return min(max(direct, -ROOT_2 * winding.largest_current), 0.0)
 
 
 @inlined

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from ev_core.bus.channel import Frame
-from ev_core.bus.checking import is_valid
+from ev_core.bus import checking
 from ev_core.law import compilable
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
 from ev_msgs_py.can import drive_states, frames
 from ev_msgs_py.can.database import Database
+from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import SENT, TICK, BenchFrames, DeviceFrames, bench_frames, is_due
 from ev_sim.inverter import on_channel, power_stage
-from ev_sim.inverter.device import Circuit, Inverter
-from ev_sim.inverter.inverter_parameters import CircuitParameters, InverterParameters
+from ev_sim.inverter.device import Circuit, CircuitParameters, Inverter, InverterParameters
 
 _NO_TORQUE = 1.0  # N m, the error of the torque transducer: below it a quick stop is over
 _CODES = tuple(float(fault.code) for fault in frames.FAULTS)
@@ -35,7 +34,9 @@ def advance_inverter(p: InverterParameters, s: Inverter, speed: float, period: f
 @compilable
 def lead_inverter(p: InverterParameters, s: Inverter, speed: float, period: float) -> None:
     """The first part of a cycle: what is wrong, and which state follows."""
-    on_channel.begin_cycle(s)
+    if s.supervision.heard == 0.0:
+        checking.no_new_data(s.check)
+    s.supervision.heard = 0.0
     power_stage.advance_dc_link(p.dc_link, s, period)
     causes = _causes(p, s, speed, period)
     _latch(s, causes)
@@ -54,7 +55,8 @@ def lead_inverter(p: InverterParameters, s: Inverter, speed: float, period: floa
 def end_inverter_cycle(p: InverterParameters, s: Inverter, period: float) -> None:
     """The last part of a cycle, behind torque and temperatures: warnings, and everything gets older."""
     s.warnings = float(_warnings(p, s))
-    on_channel.end_cycle(s, period)
+    on_channel.grow_older(s, period)
+    s.command.reset = 0.0
 
 
 @compilable
@@ -141,7 +143,7 @@ class InverterStation:
 
     def hear(self, payload: int) -> None:
         """Take a set-point, and count those that were lost before it."""
-        if is_valid(on_channel.receive_set_point(self._frames.set_point, self._own, self.s, payload)):
+        if checking.is_valid(on_channel.receive_set_point(self._frames.set_point, self._own, self.s, payload)):
             self.lost += self.s.check.lost_data
 
     def due(self, before: float, now: float, speed: float) -> list[Frame]:

@@ -6,8 +6,7 @@ from ev_core.bus import checking
 from ev_core.law import compilable, sqrt
 from ev_msgs_py.can import drive_states, frames
 from ev_msgs_py.can.payload import extracted, inserted, last_counter, next_counter
-from ev_sim.inverter.device import Inverter
-from ev_sim.inverter.inverter_parameters import InverterParameters
+from ev_sim.inverter.device import Inverter, InverterParameters
 from ev_sim.inverter.power_stage import coolant_outlet, inverter_temperature, winding_temperature
 
 
@@ -46,21 +45,6 @@ def _take_over(layout: frames.SetPointLayout, s: Inverter, payload: int) -> None
     s.command.torque = torque
     s.command.speed = frames.RPM * extracted(payload, layout.speed)
     s.command.torque_limit = extracted(payload, layout.torque_limit)
-
-
-@compilable
-def begin_cycle(s: Inverter) -> None:
-    """Note for the check that no frame has come since the last cycle."""
-    if s.supervision.heard == 0.0:
-        checking.no_new_data(s.check)
-    s.supervision.heard = 0.0
-
-
-@compilable
-def end_cycle(s: Inverter, period: float) -> None:
-    """What has come gets older by one cycle [s]."""
-    grow_older(s, period)
-    s.command.reset = 0.0
 
 
 @compilable

@@ -8,8 +8,7 @@ from ev_msgs_py.can import frames
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, QUICK_STOP_ACTIVE, READY_TO_SWITCH_ON, SWITCH_ON, SWITCHED_ON
 from ev_sim.drives import synchronous_motor
 from ev_sim.drives.electrical_side import coolant_outlet_temperature, derating_share, heated, loss_power
-from ev_sim.inverter.device import Inverter
-from ev_sim.inverter.inverter_parameters import DcLinkParameters, InverterParameters, Machine
+from ev_sim.inverter.device import DcLinkParameters, Inverter, InverterParameters, Machine
 
 
 @compilable
@@ -120,7 +119,7 @@ def largest_torque(p: InverterParameters, s: Inverter, speed: float) -> float:
     winding, voltage = p.machine.winding, s.dc_link.voltage
     if synchronous_motor.is_weakened(winding, voltage, speed):
         return min(most, synchronous_motor.voltage_limited_torque(winding, voltage, speed))
-    current = synchronous_motor.SQRT_2 * winding.largest_current
+    current = synchronous_motor.ROOT_2 * winding.largest_current
     return min(most, synchronous_motor.torque_per_current(winding) * current)
 
 
@@ -171,7 +170,7 @@ def advance_electrical(p: InverterParameters, s: Inverter, speed: float) -> None
     """
     s.phase_current = s.dc_current = s.weakening_loss = 0.0
     winding = p.machine.winding
-    s.phase_voltage = winding.pole_pairs * abs(speed) * winding.flux_linkage / synchronous_motor.SQRT_2
+    s.phase_voltage = winding.pole_pairs * abs(speed) * winding.flux_linkage / synchronous_motor.ROOT_2
     if int(s.state) in (OPERATION_ENABLED, QUICK_STOP_ACTIVE) and s.dc_link.voltage > 1.0:
         s.phase_current, s.phase_voltage = synchronous_motor.phase_values(p.machine, s.torque, s.dc_link.voltage, speed)
         s.weakening_loss = synchronous_motor.weakening_loss(p.machine, s.torque, s.dc_link.voltage, speed)

@@ -2,15 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
+from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Figure
-from ev_sim.manoeuvres.split_friction import split_friction_figures
+from ev_sim.figures.panels import Curve, degrees, motion_panels, over_time, panel
+from ev_sim.figures.plan_view import plan_view
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, NotMeasured, metric
-from ev_sim.measures.samples import Runs, channel
+from ev_sim.measures.samples import Runs, channel, run_named
 from ev_sim.recording.recording import Recording
+
+
+def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequence[str]) -> dict[str, Figure]:
+    """Speed, heading, steering-wheel angle and path of all runs, and the rim speeds of some wheels of each.
+
+    The sheet is called `name`, the plan view `path`.
+    """
+
+    def rims(name: str) -> list[Curve]:
+        run, radius = run_named(runs, name), vehicle.wheel_radius
+        turning = ((wheel, radius * channel(run, f"wheel_states.velocity.{wheel}")) for wheel in wheels)
+        return [Curve(run.time, speed, wheel.replace("_", " ")) for wheel, speed in turning]
+
+    panels = [
+        # Without a sign, which would jump where a car that turns round goes across.
+        over_time(runs, "Speed over ground", "speed [m/s]", lambda run: np.abs(motion.path_speed(run))),
+        over_time(runs, "Heading", "heading [deg]", degrees(motion.heading)),
+        *motion_panels(runs, "steering_wheel_angle"),
+        *(panel(f"Rim speeds, {run.replace('_', ' ')}", "speed [m/s]", lambda run=run: rims(run)) for run in runs),
+    ]
+    tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), key.replace("_", " ")) for key, run in runs.items()]
+    return {name: sheet(panels, "time [s]"), "path": plan_view("Path of the centre of mass", tracks)}
+
 
 LAUNCH_SPEED = 5.0  # [m/s], the launch is timed up to it
 ROLLING_SPEED = 0.1  # [m/s], above it slip is more than the first turn of a wheel

@@ -25,7 +25,7 @@ from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, 
 from ev_sim.recording.recording import Recording
 
 CONSTANT_RADIUS = "constant_radius_"  # how the names of the runs on a circle begin
-LINEAR = ("linear", "constant_radius_linear")
+LINEAR_RUNS = ("linear", "constant_radius_linear")
 RANGE = (0.5, 4.0)  # [m/s^2], lateral accelerations from which gradients are taken
 SETTLING = 1.0  # [s], after which the car follows a steering wheel that is held
 CLOSED_FORM_BAND = 0.05  # the closed form has neither drive forces across the car nor a car that accelerates
@@ -44,7 +44,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
         closed = (understeer_gradient(vehicle), sideslip_gradient(vehicle))
         # The closed forms are about cars with cornering stiffnesses of their own, and loads that stay.
         has_closed = vehicle.tyre.lateral_curve == "linear" and vehicle.load_transfer == "none"
-        closed = closed if name in LINEAR and has_closed else None
+        closed = closed if name in LINEAR_RUNS and has_closed else None
         result |= {
             f"{name}_understeer_gradient": metric(
                 lambda run=run: _gradient(run, _excess_angle(run, vehicle)),

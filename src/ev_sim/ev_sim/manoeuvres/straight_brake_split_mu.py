@@ -7,7 +7,7 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.figures.figure import Figure
-from ev_sim.manoeuvres.split_friction import split_friction_figures
+from ev_sim.manoeuvres.launch_split_mu import split_friction_figures
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.measures.samples import Runs, channel

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from ev_core.bus.channel import BusMeter, Channels, Frame
+from ev_core.bus.channel import BusMeter, Channels
 from ev_core.bus.parameters import CIRCUITS
 from ev_core.lockstep.configuration import Configuration
 from ev_core.nodes.bus_nodes import BusNode, RoleOnBus
 from ev_core.run_role import run_node
+from ev_msgs_py.can.frame_length import Frame
 from ev_sim.inverter.circuit_station import CircuitStation
-from ev_sim.inverter.device import inject
-from ev_sim.inverter.inverter_parameters import InverterNodeParameters
+from ev_sim.inverter.device import InverterNodeParameters, inject
 from ev_sim.test_bench.bench_on_bus import BenchOnBus, meters_of
 
 

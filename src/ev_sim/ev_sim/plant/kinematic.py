@@ -13,19 +13,8 @@ import math
 from dataclasses import dataclass
 
 from ev_core.elementary import atan2, copysign, cos, hypot, sin
-from ev_core.law import (
-    GRAVITY,
-    Car,
-    Vehicle,
-    Wheels,
-    compilable,
-    each_wheel,
-    entry,
-    equal_motors,
-    method,
-    part,
-    setting,
-)
+from ev_core.law import GRAVITY, Car, Vehicle, Wheels, compilable, each_wheel, entry, equal_motors, method, part
+from ev_core.parameters.declaration import setting
 from ev_msgs_py.contract import signals
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.brushless_motor import DriveState
@@ -71,14 +60,13 @@ class KinematicPlantState:
     guard: GuardState = part(GuardState)
 
 
-def rolling_straight(p: KinematicPlantParameters) -> KinematicPlantState:
-    """The car at its initial speed."""
-    return KinematicPlantState(speed=p.initial_speed)
-
-
-def notes(s: KinematicPlantState) -> tuple[str, ...]:
-    """Commands that were not taken as they came."""
-    return guard_notes(s.guard)
+_SIGNALS = (
+    signals.WheelStates,
+    signals.MotorStates,
+    signals.InertialMeasurement,
+    signals.BodyVelocity,
+    signals.BodyPose,
+)
 
 
 @compilable
@@ -164,16 +152,10 @@ def limits(parameters: KinematicPlantParameters, vehicle: Vehicle, period: float
     KinematicPlantParameters,
     state=KinematicPlantState,
     prepare=limits,
-    start=rolling_straight,
+    start=lambda p: KinematicPlantState(speed=p.initial_speed),
     outputs=outputs,
-    notes=notes,
-    writes=(
-        signals.WheelStates,
-        signals.MotorStates,
-        signals.InertialMeasurement,
-        signals.BodyVelocity,
-        signals.BodyPose,
-    ),
+    notes=lambda s: guard_notes(s.guard),
+    writes=_SIGNALS,
     needs=(equal_motors,),
     heavy=True,
     mirrored=True,

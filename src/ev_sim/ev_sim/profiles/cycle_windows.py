@@ -58,7 +58,9 @@ def windows_by_rule(p: WindowRuleParameters, cycle: Profile) -> tuple[tuple[floa
     points = list(zip(cycle.time, cycle.value, strict=True))
     found: list[tuple[tuple[float, float], int]] = []
     for start, end in pairwise([*points, (math.inf, points[-1][1])]):
-        mode = _mode(p, start, end if cycle.linear else (end[0], start[1]))
+        then = end[1] if cycle.linear else start[1]
+        falls = start[1] - then > p.deceleration * (end[0] - start[0])
+        mode = STOP if max(start[1], then) <= p.standing_speed else REGENERATION if falls else TRACTION
         if not found or mode != found[-1][1]:
             found.append((start, mode))
     place = 1
@@ -73,13 +75,6 @@ def windows_by_rule(p: WindowRuleParameters, cycle: Profile) -> tuple[tuple[floa
         else:
             place += 1
     return tuple(point[0] for point, _ in found), tuple(mode for _, mode in found)
-
-
-def _mode(p: WindowRuleParameters, start: tuple[float, float], end: tuple[float, float]) -> int:
-    if max(start[1], end[1]) <= p.standing_speed:
-        return STOP
-    falls = start[1] - end[1] > p.deceleration * (end[0] - start[0])
-    return REGENERATION if falls else TRACTION
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from ev_core.parameters.declaration import flatten
 from ev_core.parameters.values import build
 from ev_msgs_py.refusal import unknown_name
 
-INTERPOLATIONS = LINEAR, STEP = "linear", "step"
+INTERPOLATIONS = BY_LINES, IN_STEPS = "linear", "step"
 
 
 def interpolation_parameter(default: str) -> str:
@@ -48,7 +48,7 @@ class Profile(NamedTuple):
 
 def profile_of(time: tuple[float, ...], value: tuple[float, ...], interpolation: str) -> Profile:
     """The profile through points, whose `interpolation` is one of INTERPOLATIONS."""
-    return Profile(time, value, float(interpolation == LINEAR))
+    return Profile(time, value, float(interpolation == BY_LINES))
 
 
 @compilable

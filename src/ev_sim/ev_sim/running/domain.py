@@ -208,8 +208,9 @@ def _channels(bus: BusInterface, domain: int) -> Iterator[tuple[str, list[str]]]
 
 def _works(channel: str) -> bool:
     """Whether what is sent to a multicast group comes back."""
-    from ev_core.bus.channel import Channel, Frame
+    from ev_core.bus.channel import Channel
     from ev_core.bus.opening import BusError
+    from ev_msgs_py.can.frame_length import Frame
 
     try:
         probe = Channel("udp_multicast", channel)

@@ -134,11 +134,13 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     for run_name, namespace in namespaces.items():
         if only and run_name not in only:
             continue
-        run = _run(run_name, namespace, files, overrides, duration)
+        run = _run(run_name, _Sources(namespace, files, overrides), duration)
         may_differ = any((overrides.vehicle, overrides.files, overrides.all_values))
-        is_scaled = may_differ and _is_told(f"{COLUMN}.{SCALE}", namespace, overrides)
+        told = _Sources(namespace, [*map(ParameterFile, overrides.files)], overrides)
+        is_scaled = may_differ and SCALE in told.values(COLUMN)
         if about.slow_ramp.lateral_acceleration and may_differ and not is_scaled:
-            as_it_is = _run(run_name, namespace, [vehicle_file(about.vehicle), own], Overrides(), about.duration)
+            of_file = _Sources(namespace, [vehicle_file(about.vehicle), own], Overrides())
+            as_it_is = _run(run_name, of_file, about.duration)
             run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
             notes += [note] if note else []
         runs.append(replace(run, report=about.report or name, metrics=about.metrics))
@@ -147,12 +149,6 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     notes += [] if only else _unused_in(files, runs, overrides)
     notes += [note for run in runs for note in _late_faults(run)]
     return Scenario(name, about, tuple(runs), own.path, tuple(notes))
-
-
-def _is_told(name: str, namespace: str, overrides: Overrides) -> bool:
-    """Whether the command line or its files give a value to a parameter, NODE.PARAMETER."""
-    role, _, parameter = name.partition(".")
-    return parameter in _values(role, namespace, [*map(ParameterFile, overrides.files)], overrides)
 
 
 def _means_all(pattern: str, namespaces: Iterable[str]) -> bool:
@@ -228,8 +224,40 @@ def _unused_in(files: Sequence[ParameterFile], runs: Sequence[Run], overrides: O
     return notes
 
 
-def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides, duration: float) -> Run:
-    values = {role: _values(role, namespace, files, overrides) for role in ROLES}
+@dataclass(frozen=True)
+class _Sources:
+    """What gives values to the nodes of one run: files, later ones before earlier ones, and the command line."""
+
+    namespace: str
+    files: Sequence[ParameterFile]
+    overrides: Overrides
+
+    def of(self, role: str) -> list[tuple[str, dict[str, Any]]]:
+        """Where values come from, in words, and the values; nothing for the command line, which the user sees."""
+        given = [(f" ({file.path})", file.values_for(f"{self.namespace}/{role}")) for file in self.files]
+        return [*given, ("", {key: value for node, key, value in self.overrides.all_values if node in ("*", role)})]
+
+    def values(self, role: str) -> dict[str, Any]:
+        """Those that count."""
+        return {name: value for _, values in self.of(role) for name, value in values.items()}
+
+    def origin(self, role: str, name: str) -> str:
+        """Where the value was given that counts."""
+        return next((origin for origin, values in reversed(self.of(role)) if name in values), "")
+
+    def refuse_before_a_file(self, configuration: Configuration) -> None:
+        """ParameterError for what is set after or beside the name of a file that has it: it would do nothing."""
+        places = self.of(configuration.role)
+        last = {name: place for place, (_, values) in enumerate(places) for name in values}
+        for file in (name for name in configuration.from_files if name.endswith("file")):
+            for name in configuration.from_files:
+                is_told = name in last and (last[name] > last.get(file, -1) or last[name] == len(self.files))
+                if is_told and name != file and name.startswith(file.removesuffix("file")):
+                    raise ParameterError(f"parameter {name} is refused: {file} says it, allowed with {file} ''", name)
+
+
+def _run(name: str, sources: _Sources, duration: float) -> Run:
+    values = {role: sources.values(role) for role in ROLES}
     if "duration" in values[MASTER]:
         raise ParameterError("plant.duration is refused: the duration of a run is that of the scenario, or --duration")
     values[MASTER]["duration"] = duration
@@ -253,48 +281,16 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
             continue
         try:
             configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
-            _refuse_before_a_file(configurations[role], namespace, files, overrides)
+            sources.refuse_before_a_file(configurations[role])
         except ParameterError as error:
-            origin = _origin(error.parameter, role, namespace, files, overrides)
-            raise ParameterError(f"{role}: {error}{origin}") from None
+            raise ParameterError(f"{role}: {error}{sources.origin(role, error.parameter)}") from None
     check_graph(configurations)
     period = configurations[MASTER].common.control_period
     if duration < period:
         raise ParameterError(f"duration: {duration!r} is refused, allowed is at least one control period, {period:g} s")
-    return Run(name, namespace, configurations, duration)
-
-
-def _refuse_before_a_file(
-    configuration: Configuration, namespace: str, files: Sequence[ParameterFile], overrides: Overrides
-) -> None:
-    """ParameterError for what is set after or beside the name of a file that has it: it would silently do nothing."""
-    role = configuration.role
-    places = [file.values_for(f"{namespace}/{role}").keys() for file in files]
-    places.append({key for node, key, _ in overrides.all_values if node in ("*", role)})
-    last = {name: place for place, names in enumerate(places) for name in names}
-    for file in (name for name in configuration.from_files if name.endswith("file")):
-        for name in configuration.from_files:
-            is_told = name in last and (last[name] > last.get(file, -1) or last[name] == len(files))
-            if is_told and name != file and name.startswith(file.removesuffix("file")):
-                raise ParameterError(f"parameter {name} is refused: {file} says it, allowed with {file} ''", name)
+    return Run(name, sources.namespace, configurations, duration)
 
 
 def _is_played(role: str, values: Mapping[str, Mapping[str, Any]]) -> bool:
     """Optional roles are played where a parameter chooses their method, or another method requires it."""
     return "method" in values[role] or not ROLES[role].optional
-
-
-def _origin(name: str, role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> str:
-    """Where a value was given that is refused, in words; nothing for one of the command line, which the user sees."""
-    if not name or any(key == name and node in ("*", role) for node, key, _ in overrides.all_values):
-        return ""
-    given = [file.path for file in files if name in file.values_for(f"{namespace}/{role}")]
-    return f" ({given[-1]})" if given else ""
-
-
-def _values(role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> dict[str, Any]:
-    values: dict[str, Any] = {}
-    for file in files:
-        values.update(file.values_for(f"{namespace}/{role}"))
-    values.update({key: value for node, key, value in overrides.all_values if node in ("*", role)})
-    return values

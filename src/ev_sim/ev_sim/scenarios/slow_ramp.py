@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from ev_sim.scenarios.scenario import Run
 
 COLUMN, ROBOT, SCALE = "steering_column", "steering_robot", "scale"
-BEGIN = 1.0  # [s], when the ramp begins
+RAMP_BEGIN = 1.0  # [s], when the ramp begins
 LARGEST = 2.5  # times the angle of the linear car: so far the ramp goes on
-READINGS = LINE, CROSSING = ("line", "crossing")
+RAMP_READINGS = FITTED_LINE, AT_CROSSING = ("line", "crossing")
 FIT_RANGE = (1 / 3, 1.25)  # of the wanted acceleration, over which FMVSS 126, S7.6, fits its line: 0.1 to 0.375 g
 _HOW_A_ROAD_IS_DRAWN = ("road.seed", "road.random_distance")
 _OF_THE_CAR = ("method", "initial_speed", "vehicle.", "road.", "rear_steering.")
@@ -51,16 +51,18 @@ class SlowRampParameters:
         0.2356, unit="rad/s", low=1e-3, high=1.0, about="of the steering wheel, 13.5 deg/s", source="FMVSS 126, S7.6"
     )
     read: str = setting(
-        LINE, choices=READINGS, about="from the line of FMVSS 126, S7.6, or where the acceleration is reached"
+        FITTED_LINE,
+        choices=RAMP_READINGS,
+        about="from the line of FMVSS 126, S7.6, or where the acceleration is reached",
     )
 
 
-def angle_at(run: Recording, acceleration: float, read: str = LINE) -> float:
+def angle_at(run: Recording, acceleration: float, read: str = FITTED_LINE) -> float:
     """Steering-wheel angle at a lateral acceleration [m/s^2] on a slow ramp to either side [rad]."""
     angle = channel(run, motion.STEERING_WHEEL_ANGLE)
     side = np.sign(angle[np.abs(angle).argmax()])
     angle, across = side * angle, side * motion.lateral_acceleration_on_path(run)
-    if read == CROSSING:
+    if read == AT_CROSSING:
         time = motion.crossing_time(run.time, across, acceleration, f"a lateral acceleration of {acceleration:g} m/s^2")
         return motion.value_at(run, angle, time)
     low, high = (share * acceleration for share in FIT_RANGE)
@@ -125,7 +127,7 @@ def driven_slowly(run: Run, ramp: SlowRampParameters) -> Recording:
             f"{angle / LARGEST:.3g} rad of the steering wheel, and a ramp ends at {LARGEST:g} times that, allowed is "
             f"up to {most:g} rad"
         )
-    end = BEGIN + angle / ramp.rate
+    end = RAMP_BEGIN + angle / ramp.rate
 
     def of(role: str, method: str, **values: Any) -> Configuration:
         named = {name.replace("__", "."): value for name, value in values.items()}
@@ -134,7 +136,7 @@ def driven_slowly(run: Run, ramp: SlowRampParameters) -> Recording:
     configurations = {
         **run.configurations,
         MASTER: plant,
-        COLUMN: of(COLUMN, ROBOT, profile__time=[BEGIN, end], profile__angle=[0.0, angle]),
+        COLUMN: of(COLUMN, ROBOT, profile__time=[RAMP_BEGIN, end], profile__angle=[0.0, angle]),
         "driver": of("driver", "manoeuvre", speed_profile__time=[0.0], speed_profile__speed=[speed]),
         "electronic_differential": of("electronic_differential", "equal_torque"),
         "asr": of("asr", "off"),

@@ -168,15 +168,11 @@ class ByWireParameters(DrivenRoadWheelParameters):
 
 
 @dataclass(slots=True)
-class ByWireState:
-    """Road wheels and steering wheel, the hands, and the front wheels; left positive."""
+class ByWireState(PoweredState):
+    """The same, and the steering wheel."""
 
-    road_wheel_angle: float = entry(unit="rad")
-    road_wheel_rate: float = entry(unit="rad/s")
     angle: float = entry(unit="rad", about="of the steering wheel")
     rate: float = entry(unit="rad/s", about="of the steering wheel")
-    hand_torque: float = entry(unit="N m", about="what acted up to now")
-    wheel_speed_difference: float = entry(unit="rad/s", about="right minus left front wheel, a period ago")
 
 
 class Moving(NamedTuple):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ev_core.law import Car, ParameterError, RearSteeringState, Vehicle, compilable, method, parameter
 from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, TireForces
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
-from ev_sim.profiles.profile import LINEAR, Profile, profile_of, value_at
+from ev_sim.profiles.profile import BY_LINES, Profile, profile_of, value_at
 from ev_sim.steering.actuated import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn
 
 
@@ -72,7 +72,7 @@ class SpeedDependentConstants(NamedTuple):
 
 def speed_dependent_constants(p: SpeedDependentParameters, _vehicle: Vehicle, period: float) -> SpeedDependentConstants:
     """The motor over a period [s]."""
-    return SpeedDependentConstants(servo(p, period), profile_of(p.speed, p.ratio, LINEAR))
+    return SpeedDependentConstants(servo(p, period), profile_of(p.speed, p.ratio, BY_LINES))
 
 
 @rear_steering("speed_dependent", SpeedDependentParameters, prepare=speed_dependent_constants)

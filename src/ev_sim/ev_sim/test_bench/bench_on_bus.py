@@ -6,11 +6,12 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
-from ev_core.bus.channel import BusMeter, Frame
+from ev_core.bus.channel import BusMeter
 from ev_core.bus.parameters import CIRCUITS, load_database
 from ev_core.law import BatteryCondition
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.law import LawObject
+from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import TICK, bench_frames
 from ev_msgs_py.can.payload import NO_FRAME, joined, words
 from ev_msgs_py.contract.optional_signals import MOST_TICKS, SetPointFrames

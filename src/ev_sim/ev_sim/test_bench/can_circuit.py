@@ -15,8 +15,7 @@ from ev_msgs_py.can.frames import TICK, BenchFrames, DeviceFrames, is_due
 from ev_msgs_py.can.payload import NO_FRAME, are_words, joined, words
 from ev_msgs_py.contract.optional_signals import MOST_TICKS
 from ev_sim.inverter.circuit_station import end_inverter_cycle, lead_inverter
-from ev_sim.inverter.device import Inverter
-from ev_sim.inverter.inverter_parameters import InverterParameters
+from ev_sim.inverter.device import Inverter, InverterParameters
 from ev_sim.inverter.on_channel import FAULTS, MOTION, made, receive_set_point, ticks_between
 from ev_sim.test_bench import circuit
 from ev_sim.test_bench.bus_faults import BusFault, BusFaultState, on_the_way, present, put_in

@@ -8,7 +8,7 @@ from ev_core.law import compilable, floor, inlined, remainder
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, SWITCH_ON_DISABLED
 from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
 from ev_sim.drives.electrical_side import loss_power
-from ev_sim.inverter.inverter_parameters import InverterParameters
+from ev_sim.inverter.device import InverterParameters
 from ev_sim.inverter.power_stage import advance_electrical, advance_temperatures, follow_reference, largest_torque
 from ev_sim.test_bench.described import (
     KEPT_SET_POINTS,

@@ -11,7 +11,7 @@ from ev_core.vehicle.car import any_driven
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.inverter.inverter_parameters import InverterParameters, Machine
+from ev_sim.inverter.device import InverterParameters, Machine
 from ev_sim.inverter.power_stage import coolant_outlet, share_of_lag, winding_temperature
 from ev_sim.test_bench import circuit
 from ev_sim.test_bench.described import BOTH, KEPT_SET_POINTS, LEFT, RIGHT, CircuitsParameters, CircuitsState

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from ev_core.bus.model import BusModelParameters
 from ev_core.law import each_wheel, entry, group, parameter, part, series, setting
-from ev_sim.inverter.device import Inverter
-from ev_sim.inverter.inverter_parameters import DcLinkParameters, LoadInverter
+from ev_sim.inverter.device import DcLinkParameters, Inverter, LoadInverter
 from ev_sim.test_bench.bus_faults import BusFaultParameters
 
 _ASSUMED = "assumption: not printed"

@@ -7,6 +7,8 @@ from ev_core.vehicle.tyre import MfTyres, Tyre
 from ev_sim.tyres.curve import SLIP_FLOOR, Coefficients, secant
 from ev_sim.tyres.mf_tyre import AtLoad, forces
 
+Pair = tuple[float, float]  # along and across the wheel
+
 
 @inlined
 def sensitivity(tyre: Tyre, load: float) -> float:
@@ -29,7 +31,7 @@ SHORTEST_LAG = 1e-3
 @inlined
 def force_and_rate(
     deflection: float, slip_velocity: float, transport: float, secant: float, stiffness: float, damping: float
-) -> tuple[float, float]:
+) -> Pair:
     """Force of the road on the tyre [N] and rate of the deflection [m/s] of one direction, below the friction limit.
 
     Deflection u [m], slip velocity v [m/s], transport velocity V_t [m/s], secant stiffness f of the friction curve
@@ -62,9 +64,7 @@ AHEAD = 0.1
 
 
 @inlined
-def slip_vector(
-    tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float, transport: float, patch_x: float, patch_y: float
-) -> tuple[float, float]:
+def slip_vector(tyre: Tyre, on_road: Coefficients, slid: Pair, transport: float, contact: Pair) -> Pair:
     """Friction per longitudinal and per lateral slip [1] when both share one curve over the resulting slip.
 
     Slip velocities [m/s] over the transport velocity [m/s] give the slip vector; the tyre's `lateral_ratio` [1]
@@ -72,35 +72,26 @@ def slip_vector(
     far `AHEAD` of that of the contact [1]. Source: Kiencke & Nielsen, Automotive Control Systems, 2nd ed. 2005, wheel
     model.
     """
-    stretched = tyre.lateral_ratio * slip_y
-    slip = sqrt(slip_x * slip_x + stretched * stretched) / transport
+    stretched = tyre.lateral_ratio * slid[1]
+    slip = sqrt(slid[0] * slid[0] + stretched * stretched) / transport
     if slip > AHEAD:
-        slid_y = tyre.lateral_ratio * patch_y
-        slip = min(slip, AHEAD + sqrt(patch_x * patch_x + slid_y * slid_y))
+        contact_y = tyre.lateral_ratio * contact[1]
+        slip = min(slip, AHEAD + sqrt(contact[0] * contact[0] + contact_y * contact_y))
     common = secant(tyre.curve, slip, on_road)
     return common, tyre.lateral_ratio * common
 
 
 @inlined
-def uncoupled(
-    tyre: Tyre,
-    on_road: Coefficients,
-    slip_x: float,
-    slip_y: float,
-    transport_x: float,
-    transport_y: float,
-    contact_x: float,
-    contact_y: float,
-) -> tuple[float, float]:
+def uncoupled(tyre: Tyre, on_road: Coefficients, slid: Pair, transport: Pair, contact: Pair) -> Pair:
     """Friction per longitudinal and per lateral slip [1] when each direction follows the curve on its own.
 
     Slip and transport velocities [m/s] and slips of the contact [1] of the two directions. Source: Tatar & Chudzik
     (their F_p and F_b).
     """
     ratio = tyre.lateral_ratio
-    longitudinal = secant(tyre.curve, min(abs(slip_x) / transport_x, AHEAD + abs(contact_x)), on_road)
-    lateral = secant(tyre.curve, min(ratio * abs(slip_y) / transport_y, AHEAD + ratio * abs(contact_y)), on_road)
-    return longitudinal, ratio * lateral
+    longitudinal = secant(tyre.curve, min(abs(slid[0]) / transport[0], AHEAD + abs(contact[0])), on_road)
+    across = min(ratio * abs(slid[1]) / transport[1], AHEAD + ratio * abs(contact[1]))
+    return longitudinal, ratio * secant(tyre.curve, across, on_road)
 
 
 # The least speed along the wheel over the transport velocity [1]: a wheel that spins on the spot or slides sideways has
@@ -110,23 +101,15 @@ LEAST_ROLLING = 0.02
 
 @inlined
 def weighted(
-    tyres: MfTyres,
-    i: int,
-    loaded: AtLoad,
-    slip_x: float,
-    slip_y: float,
-    along: float,
-    transport: float,
-    contact_x: float,
-    contact_y: float,
-    plain: bool,
-) -> tuple[float, float]:
+    tyres: MfTyres, i: int, loaded: AtLoad, slip: Pair, along: float, transport: float, contact: Pair, plain: bool
+) -> Pair:
     """Force over slip along and across wheel i [N], of its tyre at its load.
 
     Slip velocities [m/s] over the transport velocity [m/s] give slips; those of the formula are over the speed `along`
     the wheel [m/s]. As with one curve, of the resulting slip counts what is not too far `AHEAD` of that of the contact
     [1]. `plain` is `is_plain` of the tyres.
     """
+    (slip_x, slip_y), (contact_x, contact_y) = slip, contact
     slid = max(sqrt(slip_x * slip_x + slip_y * slip_y), AHEAD * transport)
     counted = min(slid, (AHEAD + sqrt(contact_x * contact_x + contact_y * contact_y)) * transport)
     # What counts of the slip velocities, over what is left of the speed along the wheel, both times `slid`.

@@ -60,7 +60,7 @@ def two_exponential(slip: float, full_slip: float, rise: float, fall: float, _fo
 
 # One curve over the slip each, but for mf_tyre (`mf_tyre.forces`).
 FRICTION_CURVES = ("burckhardt", "rational", "two_exponential", "magic_formula", "linear", "mf_tyre")
-BURCKHARDT, RATIONAL, TWO_EXPONENTIAL, MAGIC_FORMULA, LINEAR, MF_TYRE = range(len(FRICTION_CURVES))
+BURCKHARDT, RATIONAL, TWO_EXPONENTIAL, MAGIC_FORMULA, LINEAR_FRICTION, MF_TYRE = range(len(FRICTION_CURVES))
 
 # Slip at which the slope of a curve at zero slip is taken: small against any peak, large against rounding.
 SLIP_FLOOR = 1e-6
@@ -106,7 +106,7 @@ def secant(curve: float, slip: float, c: Coefficients) -> float:
 @inlined
 def largest(curve: float, available: float, c: Coefficients) -> float:
     """The largest friction use up to full slip [1], which for all curves but the line is the available friction."""
-    return c.c0 if curve == LINEAR else available
+    return c.c0 if curve == LINEAR_FRICTION else available
 
 
 def peak(curve: str, coefficients: tuple[float, float, float, float]) -> float:
@@ -143,7 +143,7 @@ def soften(curve: float, tyre: Any, share: float) -> None:
     elif curve == TWO_EXPONENTIAL:
         tyre.c1 /= share
         tyre.c2 /= share
-    elif curve in (MAGIC_FORMULA, LINEAR):
+    elif curve in (MAGIC_FORMULA, LINEAR_FRICTION):
         tyre.c0 *= share
     elif curve == MF_TYRE:
         tyre.c1 *= share

@@ -117,8 +117,9 @@ def _published(id: str, rows: list[_Row], measures: Measures) -> Published:
     first, needs, checks = rows[0], [], []
     entry = Published(id, *(first[name] for name in _CELLS_OF_ID))
     of_row: tuple[Need, ...] = ()
-    for row in rows:
-        try:
+    try:
+        for row in rows:
+            place = row["place"]
             of_row = tuple(need_of(each) for each in row["driven"].split(";")) if row["driven"] else of_row
             needs += of_row
             if row["measure"]:
@@ -133,17 +134,15 @@ def _published(id: str, rows: list[_Row], measures: Measures) -> Published:
                         f"{refused} is refused, allowed is one that begins with {': , '.join(NOTES)}: "
                     )
                 entry = replace(entry, note=note, text=Template.of(text, measures, of_row), text_needs=of_row)
-        except ParameterError as error:
-            raise ParameterError(f"{row['place']}: {error}") from None
-    names = [check.name for check in checks]
-    if entry.kind not in KINDS:
-        raise ParameterError(f"{first['place']}: kind {quoted(entry.kind)} is refused, allowed is {', '.join(KINDS)}")
-    if len(set(names)) < len(names):
-        raise ParameterError(f"{first['place']}: two of its numbers have one name, allowed is one each")
-    if entry.is_judged and not checks:
-        raise ParameterError(
-            f"{first['place']}: nothing is measured, allowed is that with a note why there is no verdict"
-        )
+        place = first["place"]
+        if entry.kind not in KINDS:
+            raise ParameterError(f"kind {quoted(entry.kind)} is refused, allowed is {', '.join(KINDS)}")
+        if len({check.name for check in checks}) < len(checks):
+            raise ParameterError("two of its numbers have one name, allowed is one each")
+        if entry.is_judged and not checks:
+            raise ParameterError("nothing is measured, allowed is that with a note why there is no verdict")
+    except ParameterError as error:
+        raise ParameterError(f"{place}: {error}") from None
     return replace(entry, needs=tuple(dict.fromkeys(needs)), checks=tuple(checks))
 
 

@@ -119,16 +119,6 @@ def wanted(only: Sequence[str], quick: bool) -> list[tuple[str, Published]]:
     ]
 
 
-def needs_of(chosen: Sequence[tuple[str, Published]]) -> list[Need]:
-    """Everything that has to be driven for them, each once."""
-    return list(dict.fromkeys(need for _, each in chosen for need in each.needs))
-
-
-def verdicts(chosen: Sequence[tuple[str, Published]], driven: Mapping[Need, Driven]) -> list[Verdict]:
-    """The verdicts on some ids."""
-    return [verdict(each, [driven[need] for need in each.needs]) for _, each in chosen]
-
-
 def metrics_at_hand(source: str, scenario: str, driven: ScenarioRuns) -> dict[str, Metric]:
     """The numbers of all ids that are judged on this scenario as its file has it, for the report on any of its runs.
 

@@ -177,6 +177,9 @@ def _efficiency(driven: ScenarioRuns) -> Figure:
 
 _MACHINE_PANELS = (
     cannot_be_drawn(
+        "1.5", "", "Market of electric cars", "a forecast of another firm, no data are in the text", "diss.fig1.5"
+    ),
+    cannot_be_drawn(
         "1.13", "", "Double planetary drive of another maker", "only the caption of its curve is left", "diss.fig1.13"
     ),
     PublishedPanel("1.22", "a", _ROW, ("diss.fig1.22",), (_CAR,), over_time(_limits, _SPEED)),
@@ -185,7 +188,7 @@ _MACHINE_PANELS = (
 
 
 _ROWS = {
-    "1": ("Block diagrams of the surveyed slip controls", range(14, 21)),
+    "1": ("Layouts, differentials, surveyed slip controls, machine", (*range(1, 5), *range(6, 13), *range(14, 22))),
     "2": ("Schemes of car, wheel, body and control, screens of the model", (*range(1, 8), *range(14, 22))),
     "4": ("The test bench", range(1, 12)),
 }

@@ -9,7 +9,7 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors, wheel_inertia
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.drives.electrical_side import loss_power, map_loss_powers
+from ev_sim.drives.electrical_side import loss_power, map_loss_power
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
@@ -198,5 +198,6 @@ def _losses(vehicle: Vehicle, torque: np.ndarray, speed: np.ndarray) -> np.ndarr
     """Losses of one motor and its inverter at shaft torques [N m] and speeds [rad/s], (n,) [W]."""
     motor = vehicle.motor
     if motor.map_efficiency:
-        return map_loss_powers(torque, speed, motor.map_speed, motor.map_torque, motor.map_efficiency)
+        tables, at = (motor.map_speed, motor.map_torque, motor.map_efficiency), zip(torque, speed, strict=True)
+        return np.array([map_loss_power(float(one), float(other), *tables) for one, other in at])
     return loss_power(motor, torque, speed)

@@ -16,9 +16,9 @@ from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.car import car_numbers, front_wheel_tangents
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.contact import find_road, look, within_friction
-from ev_sim.plant.planar.given import FREE, BodyConstants, PlanarParameters, body_constants
+from ev_sim.plant.planar.given import SPEED_FREE, BodyConstants, PlanarParameters, body_constants
 from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE, WHEEL_SPEED, Row, Step
-from ev_sim.plant.planar.prepare import RoadTables, road_tables
+from ev_sim.plant.planar.prepare import road_tables
 from ev_sim.tyres.contact_patch import force_and_rate, slip_rate
 
 
@@ -164,7 +164,7 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
     dy[state.DRAG_WORK] = drag * vx
     step.acceleration_x = specific_x - drag / car.mass + step.gravity_x
     holding = 0.0  # [N/kg], in the plane of the road below the centre of mass: it neither turns nor pitches the car
-    if p.speed != FREE:
+    if p.speed != SPEED_FREE:
         wanted = step.imposed_acceleration - yaw_rate * vy
         holding = wanted - step.acceleration_x
         step.acceleration_x = wanted
@@ -230,9 +230,6 @@ def integrate(y: Row, p: PlanarParameters, car: Car, body: BodyConstants, step: 
             y[WHEEL_SPEED + i] = 0.0
 
 
-One = np.ndarray
-
-
 class Equations:
     """The integrated part of the plant under torques, a steering angle and a road that stay as they are given.
 
@@ -240,21 +237,21 @@ class Equations:
     """
 
     def __init__(self, parameters: PlanarParameters, vehicle: Vehicle) -> None:
-        self._car, self._body = one_record(car_numbers(vehicle)), one_record(body_constants(vehicle))
-        self._step = one_record(Step())
-        self._model = (one_record(number_tree(parameters)), self._car, self._body, self._step)
+        self._car, self._body = one_record(car_numbers(vehicle))[0], one_record(body_constants(vehicle))[0]
+        self._step = one_record(Step())[0]
+        self._model = (one_record(number_tree(parameters))[0], self._car, self._body, self._step)
         road = road_tables(parameters.road, vehicle)
         self._road = type(road)(*(type(table)(*map(np.array, table)) for table in road))
-        self._rates, self._advance, self._hold, self._look = map(compiled, (_rates, _advance, _hold, _look))
+        self._rates, self._advance, self._hold, self._look = map(compiled, (rates, integrate, steer, find_road))
 
     def look(self, y: np.ndarray) -> None:
         """Take the road from where the car is now."""
-        self._look(y, self._body, self._step, self._road)
+        self._look(y, self._body, self._step, self._road, True)
 
     def hold(self, angle: float, drive: Sequence[float] = NO_WHEELS, brake: Sequence[float] = NO_WHEELS) -> None:
         """Hold a mean road-wheel angle [rad], and drive and brake torques at the wheels [N m]."""
         self._step["drive"], self._step["brake"] = tuple(drive), tuple(brake)
-        self._hold(self._car, self._step, angle)
+        self._hold(self._car, self._step, angle, 0.0)
 
     def rates(self, y: np.ndarray, starts: bool = False) -> np.ndarray:
         """f(y); one that `starts` decides which direction dry friction opposes at each wheel, the others keep to it."""
@@ -265,26 +262,3 @@ class Equations:
     def advance(self, y: np.ndarray, h: float) -> None:
         """One step of h [s] of the plant's own method, in place."""
         self._advance(y, *self._model, h)
-
-
-# Compiled code is called with arrays of one record each.
-
-
-@inlined
-def _rates(y: Row, dy: Row, p: One, cars: One, bodies: One, steps: One, starts: bool) -> None:
-    rates(y, dy, p[0], cars[0], bodies[0], steps[0], starts)
-
-
-@inlined
-def _advance(y: Row, p: One, cars: One, bodies: One, steps: One, h: float) -> None:
-    integrate(y, p[0], cars[0], bodies[0], steps[0], h)
-
-
-@inlined
-def _hold(cars: One, steps: One, angle: float) -> None:
-    steer(cars[0], steps[0], angle, 0.0)
-
-
-@inlined
-def _look(y: Row, bodies: One, steps: One, road: RoadTables) -> None:
-    find_road(y, bodies[0], steps[0], road, True)

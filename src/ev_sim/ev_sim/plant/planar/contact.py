@@ -67,7 +67,7 @@ def _look_under(y: Row, body: BodyConstants, step: Step, track: Track, i: int, f
 
 
 LATERAL_CURVES = ("same", "linear", "constant_stiffness")
-SAME, LINEAR, CONSTANT_STIFFNESS = range(len(LATERAL_CURVES))
+SAME_CURVE, LINEAR_CURVE, CONSTANT_STIFFNESS = range(len(LATERAL_CURVES))
 INFINITE = 1e12  # [N], beyond any force, but a number that may be multiplied
 
 
@@ -131,9 +131,8 @@ def _one_curve(y: Row, car: Car, step: Step, i: int) -> None:
     tyre, on_road, at = car.tyre, step.tyre[i], step.contact
     transport = max(abs(at.rim[i]), at.speed[i], STILL)
     carried = step.load[i] * sensitivity(tyre, step.load[i])
-    along, across = slip_vector(
-        tyre, on_road, at.slip_x[i], at.slip_y[i], transport, y[state.SLIP_X + i], y[state.SLIP_Y + i]
-    )
+    slid, contact = (at.slip_x[i], at.slip_y[i]), (y[state.SLIP_X + i], y[state.SLIP_Y + i])
+    along, across = slip_vector(tyre, on_road, slid, transport, contact)
     limit = carried * largest(tyre.curve, on_road.friction, on_road)
     at.secant_x[i], at.secant_y[i] = carried * along, carried * across
     at.transport_x[i] = at.transport_y[i] = transport
@@ -160,10 +159,8 @@ def _magic_formula(y: Row, body: BodyConstants, step: Step, i: int, plain: bool)
     at = step.contact
     transport = max(abs(at.rim[i]), at.speed[i], STILL)
     loaded = at_load(body.mf, i, step.load[i], at.grip[i], at.stiffness[i], plain)
-    slid_x, slid_y = y[state.SLIP_X + i], y[state.SLIP_Y + i]
-    at.secant_x[i], at.secant_y[i] = weighted(
-        body.mf, i, loaded, at.slip_x[i], at.slip_y[i], at.along[i], transport, slid_x, slid_y, plain
-    )
+    slip, contact = (at.slip_x[i], at.slip_y[i]), (y[state.SLIP_X + i], y[state.SLIP_Y + i])
+    at.secant_x[i], at.secant_y[i] = weighted(body.mf, i, loaded, slip, at.along[i], transport, contact, plain)
     at.transport_x[i] = at.transport_y[i] = transport
     at.largest_x[i], at.largest_y[i] = loaded.peak_x, loaded.peak_y
 
@@ -174,14 +171,13 @@ def _two_curves(y: Row, car: Car, body: BodyConstants, step: Step, i: int) -> No
     carried = step.load[i] * sensitivity(tyre, step.load[i])
     transport_x = max(abs(at.rim[i]), abs(at.along[i]), STILL)
     transport_y = max(at.speed[i], STILL)
-    along, across = uncoupled(
-        tyre, on_road, at.slip_x[i], at.slip_y[i], transport_x, transport_y, y[state.SLIP_X + i], y[state.SLIP_Y + i]
-    )
+    slid, contact = (at.slip_x[i], at.slip_y[i]), (y[state.SLIP_X + i], y[state.SLIP_Y + i])
+    along, across = uncoupled(tyre, on_road, slid, (transport_x, transport_y), contact)
     limit = carried * largest(tyre.curve, on_road.friction, on_road)
     at.transport_x[i], at.transport_y[i] = transport_x, transport_y
-    at.largest_x[i], at.largest_y[i] = limit, limit if tyre.lateral_curve == SAME else INFINITE
+    at.largest_x[i], at.largest_y[i] = limit, limit if tyre.lateral_curve == SAME_CURVE else INFINITE
     at.secant_x[i], at.secant_y[i] = carried * along, carried * across
-    if tyre.lateral_curve == LINEAR:
+    if tyre.lateral_curve == LINEAR_CURVE:
         at.secant_y[i] = carried * body.cornering_stiffness[i]
     elif tyre.lateral_curve == CONSTANT_STIFFNESS:
         # Over the slip angle itself, while slips are sines of it.

@@ -16,7 +16,7 @@ from ev_sim.drives.electrical_side import current_at_power
 from ev_sim.plant.guard import accepted
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.planar import PLANAR, advance
-from ev_sim.plant.planar.planar_state import STEP, VX, WHEEL_SPEED, PlanarState, Step
+from ev_sim.plant.planar.planar_state import STEP_MEMORY, VX, WHEEL_SPEED, PlanarState, Step
 from ev_sim.plant.planar.powertrain import behind_gear, source_voltage
 from ev_sim.plant.planar.prepare import PlanarConstants
 from ev_sim.plant.planar.shown import PLANAR_SIGNALS, Seen, begin, seen, wheels_from
@@ -85,7 +85,7 @@ def outputs(
     p: PlanarOnBenchParameters, car: Car, c: PlanarConstants, s: PlanarOnBenchState
 ) -> tuple[*Seen, LoadCommand]:
     """All signals at the instant of the state; torque and speed of the motors are those that were measured."""
-    steps = working_memory(STEP)
+    steps = working_memory(STEP_MEMORY)
     said = seen(p, car, c, s, steps)
     motors = MotorStates(wheels_from(s.measured_speed, 0), wheels_from(s.measured_torque, 0))
     return said[0], motors, said[2], said[3], said[4], said[5], said[6], _load(car, c, s, steps[0])
@@ -151,7 +151,7 @@ def planar_on_bench(
     front = driven[0] * voltage[0] * current[0] + driven[1] * voltage[1] * current[1]
     power = front + (driven[2] * voltage[2] * current[2] + driven[3] * voltage[3] * current[3])
     s.measured_power = accepted(s.guard, power, 0.0, -_MOST_POWER, _MOST_POWER)
-    advance(p, car, c, s, period, command, column, _apply, _book, working_memory(STEP))
+    advance(p, car, c, s, period, command, column, _apply, _book, working_memory(STEP_MEMORY))
 
 
 @inlined

@@ -16,9 +16,8 @@ from ev_sim.plant.guard import accepted, guarded_steering, guarded_torques
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar import shown
 from ev_sim.plant.planar.body import integrate, steer
-from ev_sim.plant.planar.car_faults import deflate, delay_commands, find_faults
 from ev_sim.plant.planar.contact import find_road
-from ev_sim.plant.planar.given import IMPOSED, PlanarParameters, load_files
+from ev_sim.plant.planar.given import SPEED_IMPOSED, PlanarParameters, deflate, delay_commands, find_faults, load_files
 from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
 from ev_sim.profiles.profile import value_at
@@ -52,7 +51,7 @@ def planar(
 
     Over one period the torques are held and the steering angle goes on at its rate, as the guard accepts them.
     """
-    advance(p, car, c, s, period, command, column, apply_drives, account, working_memory(state.STEP))
+    advance(p, car, c, s, period, command, column, apply_drives, account, working_memory(state.STEP_MEMORY))
 
 
 @inlined
@@ -79,7 +78,7 @@ def advance(
         find_faults(p, c.faults, s, period)
     s.periods += 1.0
     s.imposed_acceleration = 0.0
-    if p.speed == IMPOSED:
+    if p.speed == SPEED_IMPOSED:
         s.imposed_acceleration = (value_at(c.imposed, s.periods * period) - s.motion[state.VX]) / period
     step, h, y = steps[0], c.h, s.motion
     step.imposed_acceleration = s.imposed_acceleration
@@ -207,7 +206,7 @@ def planar_speed_mode(
     for i in range(4):
         most = car.motor.maximum_speed / car.gear[i]
         s.set_point[i] = accepted(s.guard, speeds.speed[i], s.set_point[i], -most, most)
-    advance(p, car, c, s, period, command, column, _apply, account, working_memory(state.STEP))
+    advance(p, car, c, s, period, command, column, _apply, account, working_memory(state.STEP_MEMORY))
 
 
 @inlined

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ev_core.law import Place, each_wheel, entry, memory_type, part, per_wheel, row, series, wheel_places
 from ev_core.parameters.record import names
 from ev_sim.drives.brushless_motor import DriveState
-from ev_sim.drives.combustion_engine import EngineState
+from ev_sim.drives.driveline import EngineState
 from ev_sim.plant.guard import GuardState
 
 # What the Runge-Kutta method integrates.
@@ -196,4 +196,4 @@ class Step:
     stages: Stages = part(Stages)
 
 
-STEP = memory_type(Step)
+STEP_MEMORY = memory_type(Step)

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from ev_core.law import Car, inlined
-from ev_sim.drives import electrical_side
-from ev_sim.drives.combustion_engine import advance_engine
-from ev_sim.drives.couplings import CLUTCH, follow_shares, motor_commands, shaft_speeds, shaft_yielding, wheel_torques
+from ev_sim.drives import driveline, electrical_side
 from ev_sim.drives.drive import advance_drive
 from ev_sim.drives.synchronous_motor import limited_torque, voltage_limited_torque, weakening_loss
-from ev_sim.plant.planar.car_faults import strike_motors
-from ev_sim.plant.planar.given import TORQUE_CONTROLLED, PlanarParameters
+from ev_sim.plant.planar.given import TORQUE_CONTROLLED, PlanarParameters, strike_motors
 from ev_sim.plant.planar.planar_state import WHEEL_SPEED, PlanarState, Step
 from ev_sim.plant.planar.prepare import PlanarConstants, PowerConstants
 
@@ -127,7 +124,7 @@ def account(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, s
     shaft, mean_speed, motor, power, h = step.shaft, step.mean_speed, step.motor, c.power, c.h
     for i in range(4):
         mean_speed[i] = step.turned[i] / h
-    shaft_speeds(car, mean_speed, shaft)
+    driveline.shaft_speeds(car, mean_speed, shaft)
     mechanical = loss = drive = 0.0
     for axle in range(2):
         left, right = 2 * axle, 2 * axle + 1
@@ -172,15 +169,15 @@ def apply_drives(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarSta
             wanted = behind_gear(car, asked[i], wheel_speed[i])
             wanted -= _blended(car, i, wheel_speed[i], step.brake_command[i])
             asked[i] = before_gear(car, wanted, wheel_speed[i])
-    shaft_speeds(car, wheel_speed, shaft)
-    motor_commands(car, asked, target)
-    if car.driveline.coupling == CLUTCH:
-        follow_shares(car, asked, s.torque_share, c.lags.clutch)
+    driveline.shaft_speeds(car, wheel_speed, shaft)
+    driveline.motor_commands(car, asked, target)
+    if car.driveline.coupling == driveline.CLUTCH:
+        driveline.follow_shares(car, asked, s.torque_share, c.lags.clutch)
     if car.engine_driven == 1.0:
         _drive_by_engine(car, c, s, step)
     else:
         _drive_by_motors(p, car, c, s, step)
-    wheel_torques(car, target, wheel_speed, s.torque_share, step.drive)
+    driveline.wheel_torques(car, target, wheel_speed, s.torque_share, step.drive)
     for i in range(4):
         step.brake[i] = step.brake_command[i]
         if car.blend_brakes == 1.0 and car.driven[i] == 1.0 and step.brake_command[i] > 0.0:
@@ -200,8 +197,10 @@ def _drive_by_engine(car: Car, c: PlanarConstants, s: PlanarState, step: Step) -
         wanted += target[left] / gear[left] + target[right] / gear[right]
         if driven[left] == 1.0 or driven[right] == 1.0:
             turning = shaft[left] * gear[left]
-            yielding = gear[left] * gear[left] / car.motor.gear_efficiency * shaft_yielding(car, s.torque_share)
-    output = advance_engine(s.engine, car.engine, c.power.gearbox, wanted, turning, yielding, c.h)
+            yielding = (
+                gear[left] * gear[left] / car.motor.gear_efficiency * driveline.shaft_yielding(car, s.torque_share)
+            )
+    output = driveline.advance_engine(s.engine, car.engine, c.power.gearbox, wanted, turning, yielding, c.h)
     for i in range(4):
         motor[i] = s.motor_torque[i] = output / car.number_driven * driven[i]
         target[i] = behind_gear(car, motor[i] * gear[i], shaft[i])

@@ -9,10 +9,9 @@ from typing import NamedTuple
 from ev_core.law import WHEEL_NAMES, ParameterError, Vehicle, exp, expm1, sqrt
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
 from ev_sim.drives.brushless_motor import torque_constant
-from ev_sim.drives.drive import DRIVES
+from ev_sim.drives.drive import DRIVE_MODELS
 from ev_sim.plant.guard import GuardLimits, guard_limits
-from ev_sim.plant.planar.car_faults import CarFaults, car_faults
-from ev_sim.plant.planar.given import BodyConstants, PlanarParameters, body_constants
+from ev_sim.plant.planar.given import BodyConstants, CarFaults, PlanarParameters, body_constants, car_faults
 from ev_sim.profiles.profile import Profile, wanted_speed
 from ev_sim.surfaces import RoadParameters, Segments, TyreOnRoad, left_and_right, tyre_on_road
 
@@ -31,7 +30,7 @@ def longest_step(vehicle: Vehicle) -> float:
     most k tau/m_e if it does not; sliding in the contact only softens that. m_e is the least inertia that a carcass can
     move: the wheel's J/r^2, the car's m/4 and, for its yaw, J_z over four squared levers. ParameterError if the step
     would be below `SHORTEST_STEP`. The converter of an engine asks for none: its stiffness follows the speed, and its
-    torques are taken implicitly where they need it (drives/engine.py).
+    torques are taken implicitly where they need it (drives/driveline.py).
     """
     tyre = vehicle.tyre
     widest = max(vehicle.front_track, vehicle.rear_track)
@@ -155,11 +154,17 @@ class PlanarConstants(NamedTuple):
 def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> PlanarConstants:
     """The constants of a plant; ParameterError if a file that it names has not been read."""
     p = parameters
-    brushless = p.drive in DRIVES
+    brushless = p.drive in DRIVE_MODELS
     if brushless and not has_equal_motors(vehicle):
         raise ParameterError(f"drive {p.drive} needs equal motors and gears at all driven wheels, and no engine")
+    motor = vehicle.motor
+    if motor.map_file and not brushless:
+        raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
+    efficiency_map = EfficiencyMap(motor.map_speed, motor.map_torque, motor.map_efficiency)
+    if brushless:
+        efficiency_map = EfficiencyMap((), (), ())
     steps = number_of_steps(p, vehicle, period)
-    motor_torque = p.motor.torque_limit if brushless else vehicle.motor.peak_torque
+    motor_torque = p.motor.torque_limit if brushless else motor.peak_torque
     return PlanarConstants(
         h=period / steps,
         steps=steps,
@@ -170,7 +175,7 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
             capacity=vehicle.battery.capacity * 3600.0,
             voltage=vehicle.battery.open_circuit_voltage,
             resistance=vehicle.battery.resistance,
-            map=EfficiencyMap((), (), ()) if brushless else efficiency_map(vehicle),
+            map=efficiency_map,
             electrical=Electrical(),
             gearbox=vehicle.engine.gearbox.ratios,
         ),
@@ -183,7 +188,7 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
 
 def prepare_electrical(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> PlanarConstants:
     """The same with cells and the electrical side of the motors."""
-    if parameters.drive in DRIVES:
+    if parameters.drive in DRIVE_MODELS:
         raise ParameterError(f"planar_electrical needs drive torque_controlled, not {parameters.drive}")
     if vehicle.engine.peak_power > 0.0:
         raise ParameterError("planar_electrical needs motors, not vehicle.engine")
@@ -204,7 +209,7 @@ def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tu
     undriven = [n for n, torque in zip(WHEEL_NAMES, torques, strict=True) if torque and n not in vehicle.driven_wheels]
     for lacks, needed in (
         (parameters.initial_speed == 0.0, "an initial_speed other than 0"),
-        (parameters.drive in DRIVES, "drive torque_controlled"),
+        (parameters.drive in DRIVE_MODELS, "drive torque_controlled"),
         (not has_own_motors(vehicle), "vehicle.driveline.coupling individual"),
         (vehicle.tyre.curve == "mf_tyre", "a vehicle.tyre.curve other than mf_tyre"),
         (undriven, f"a motor at {', '.join(undriven)}"),
@@ -219,7 +224,7 @@ def number_of_steps(parameters: PlanarParameters, vehicle: Vehicle, period: floa
     longest = min(parameters.step, longest_step(vehicle), parameters.load_transfer_lag)
     if vehicle.suspension.roll_lag > 0.0:
         longest = min(longest, vehicle.suspension.roll_lag)
-    if parameters.drive in DRIVES:
+    if parameters.drive in DRIVE_MODELS:
         # A brushless DC drive may see one shaft speed over a step: without voltage to spare its current swings against
         # the wheel with n k/sqrt(2 L J_w), torque constant k behind the gear ratio n.
         constant, inductance = vehicle.gear_ratio * torque_constant(parameters.motor), parameters.motor.inductance
@@ -237,14 +242,6 @@ def lags_over(h: float, vehicle: Vehicle) -> Lags:
         clutch=-expm1(-h / vehicle.driveline.clutch_lag),
         heat=-expm1(-h / motor.overload_time),
     )
-
-
-def efficiency_map(vehicle: Vehicle) -> EfficiencyMap:
-    """The map of the motors, empty if there is none."""
-    motor = vehicle.motor
-    if motor.map_file:
-        raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
-    return EfficiencyMap(motor.map_speed, motor.map_torque, motor.map_efficiency)
 
 
 def electrical_over(h: float, vehicle: Vehicle) -> Electrical:

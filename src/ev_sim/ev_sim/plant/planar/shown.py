@@ -8,17 +8,15 @@ from ev_core.law import Car, InertialMeasurement, ParameterError, asin, compilab
 from ev_msgs_py.contract.optional_signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.contract.signals import BatteryCondition, BodyPose, BodyVelocity, MotorStates, TireForces, WheelStates
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_sim.drives.combustion_engine import begin_engine
-from ev_sim.drives.couplings import shaft_speeds
+from ev_sim.drives.driveline import begin_engine, shaft_speeds
 from ev_sim.drives.electrical_side import coolant_outlet_temperature, current_at_power
 from ev_sim.drives.synchronous_motor import phase_values
 from ev_sim.plant.guard import guard_notes
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.body import loads, rates, steer
-from ev_sim.plant.planar.car_faults import deflate
 from ev_sim.plant.planar.contact import find_road, gravity_at, look, slips, within_friction
-from ev_sim.plant.planar.given import PlanarParameters
-from ev_sim.plant.planar.planar_state import STEP, PlanarState, Step
+from ev_sim.plant.planar.given import PlanarParameters, deflate
+from ev_sim.plant.planar.planar_state import STEP_MEMORY, PlanarState, Step
 from ev_sim.plant.planar.powertrain import drive_loss, source_voltage, terminal_voltage
 from ev_sim.plant.planar.prepare import PlanarConstants, RoadTables
 from ev_sim.tyres.curve import FRICTION_CURVES, Coefficients, friction, peak_slip
@@ -140,7 +138,7 @@ PLANAR_SIGNALS: tuple[type, ...] = get_args(Seen)
 @compilable
 def outputs(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState) -> Seen:
     """All signals at the instant of the state; drive torques are means over the period before it."""
-    return seen(p, car, c, s, working_memory(STEP))
+    return seen(p, car, c, s, working_memory(STEP_MEMORY))
 
 
 @compilable
@@ -196,7 +194,7 @@ ELECTRICAL_SIGNALS = (*PLANAR_SIGNALS, *get_args(Electrics))
 @compilable
 def electrical_outputs(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState) -> SeenWithElectrics:
     """Those of `planar`, and of motors, inverters and cells at the instant of the state; voltages in steady state."""
-    return _with_electrics(p, car, c, s, working_memory(STEP))
+    return _with_electrics(p, car, c, s, working_memory(STEP_MEMORY))
 
 
 @compilable

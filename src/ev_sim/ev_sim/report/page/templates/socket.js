@@ -78,7 +78,12 @@ function tellState() {
   byId("state").textContent = came && still < STILL ? "running" : waits;
 }
 
-const SHOWN = { layout: showLayout, node: showNode, word: say, parameter: showValue, gone: showGone };
+function showTitle({ text }) {
+  document.title = text;
+  byId("title").textContent = text;
+}
+
+const SHOWN = { title: showTitle, layout: showLayout, node: showNode, word: say, parameter: showValue, gone: showGone };
 
 function showValue({ node, name, value }) {
   rows.get(`${node}.${name}`)?.(value);
