@@ -16,6 +16,7 @@ from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
     InertialMeasurement,
+    Instant,
     SteeringColumnState,
     TireForces,
     WheelStates,
@@ -90,6 +91,7 @@ class Motion:
     a_y: float = 0.0
     friction: Wheels = ASPHALT
     load: Wheels = LOADS
+    time: float = 0.0
 
     def steered(self, road_wheel_angle: float) -> Motion:
         """The same with road wheels turned by an angle [rad], at rest."""
@@ -108,6 +110,7 @@ class Motion:
     def signals(self) -> dict[type, Any]:
         """The signals by their types."""
         said = (
+            Instant(self.time),
             DriverCommand(self.torque, self.brake, self.column.hand_torque),
             self.column,
             WheelStates(NO_WHEELS, self.speeds, self.efforts),

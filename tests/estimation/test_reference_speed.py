@@ -10,7 +10,12 @@ import subprocess
 import pytest
 from traction import METHODS, PERIOD, ROLE, Control, car_of, in_regulator, numbers_of
 
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
+from ev_control.estimation.reference_speed import (
+    ReferenceSpeedParameters,
+    ReferenceSpeedState,
+    StandstillParameters,
+    rolling_speeds,
+)
 from ev_core.lockstep.configuration import configure
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import InertialMeasurement
@@ -133,6 +138,51 @@ def test_an_offset_of_the_accelerometer_stays_bounded():
         for _ in range(4000):
             reference.rolling(Wheels.all(10.0 / 0.32), 0.0, InertialMeasurement(0.0, offset, 0.0), 1.0)
         assert low - 1e-3 <= reference.state.speed <= high + 1e-3
+
+
+def standing(offset: float, seconds: float, speed: float = 0.0, **standstill) -> Reference:
+    """An observer begun at a speed [m/s] whose wheels then stand, braked, under an offset [m/s^2]."""
+    reference = observer(at=speed, standstill=StandstillParameters(**{"rate": 1.0, **standstill}))
+    for _ in range(round(seconds / PERIOD)):
+        reference.rolling(Wheels.all(0.0), 0.0, InertialMeasurement(0.0, offset, 0.0), -1.0)
+    return reference
+
+
+@pytest.mark.parametrize("offset", [-0.2, 0.2])
+def test_at_rest_the_offset_is_learned_and_moves_the_car_no_more(offset):
+    """0.5 s until it stands, then first order with 1/s: after 4 s more e^-4 of it is left, 1.8 %, and no speed.
+
+    The steps of PERIOD are an explicit Euler rule: (1 - h)^n for e^-nh, which is 2 % of what is left.
+    """
+    reference = standing(offset, 4.5)
+    assert reference.state.speed == 0.0
+    assert reference.state.offset == pytest.approx(offset * (1.0 - math.exp(-4.0)), rel=1e-3)
+    for _ in range(200):  # a second of a drive ahead whose wheels spin far above: by the accelerometer alone
+        reference.rolling(Wheels.all(40.0), 0.0, InertialMeasurement(0.0, 1.0 + offset, 0.0), 1.0)
+    assert reference.state.offset == pytest.approx(offset * (1.0 - math.exp(-4.0)), rel=1e-3)
+
+
+def test_an_offset_beyond_the_largest_is_a_slope_and_not_believed():
+    """1 m/s^2 is a hill of 10 % to a car's accelerometer; the car stands all the same."""
+    reference = standing(1.0, 10.0)
+    assert (reference.state.speed, reference.state.offset) == (0.0, 0.3)
+
+
+def test_wheels_that_lock_on_the_move_do_not_stand():
+    """From 20 m/s with 3 m/s^2 and all wheels locked, after 1 s 17 m/s, less what 0.05 1/s of `slipping_rate` draws."""
+    reference = observer(at=20.0, slipping_rate=0.05, standstill=StandstillParameters(rate=1.0))
+    for _ in range(round(1.0 / PERIOD)):
+        reference.rolling(Wheels.all(0.0), 0.0, InertialMeasurement(0.0, -3.0, 0.0), -1.0)
+    assert reference.state.offset == 0.0
+    # -20 m/s of gap at 0.05 1/s take 0.9 m/s in the second; 0.1 m/s is what the falling gap and the steps change.
+    assert reference.state.speed == pytest.approx(17.0 - 0.9, abs=0.1)
+
+
+def test_no_rate_learns_nothing():
+    """As all traction controls have it by default: 0.2 m/s^2 against 0.5 1/s are 0.4 m/s for a car that stands."""
+    reference = standing(0.2, 20.0, rate=0.0)
+    assert reference.state.offset == 0.0
+    assert reference.state.speed == pytest.approx(0.4, rel=0.01)  # e^-10 and the step are below
 
 
 # Free wheels are refused where there are none, in one line, before anything is made

@@ -47,6 +47,7 @@ from ev_core.vehicle.car import (
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.compilable import compilable, inlined
 from ev_msgs_py.contract.optional_signals import (
+    BenchCoolant,
     BenchElectrical,
     BenchEnergy,
     BenchShafts,

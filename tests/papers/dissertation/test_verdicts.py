@@ -36,6 +36,9 @@ MODEL = [
     ("diss.pi_unstable", ("*", "vehicle.motor.torque_lag", 0.005)),
     ("diss.ideal.bend", ("driver", "pedals.drive_torque", (0.0, 0.0, 1800.0))),
     ("diss.ideal.none", ("electronic_differential", "method", "adhesion_share")),
+    ("diss.mode.road", ("electronic_differential", "driving_mode", "off_road")),
+    ("diss.mode.off_road", ("electronic_differential", "driving_mode", "road")),
+    ("diss.bench.constant_load", ("plant", "load.follows", "road")),
 ]
 EXPECTED = {"reproduced", "follows from the inputs"}
 SHORT = ("--drivers", "imposed_speed", "--seeds", "1", "--duration", "220")  # the first five windows of traction
@@ -55,6 +58,11 @@ STUDIES = [
 def test_another_parameter_is_noticed(id: str, changed):
     assert verdict_on(id).judgement in EXPECTED
     assert verdict_on(id, changed).judgement == "not reproduced"
+
+
+def test_without_cooling_no_flow_is_measured():
+    assert verdict_on("diss.bench.flow").judgement == "in part"
+    assert verdict_on("diss.bench.flow", ("test_bench", "cooling", False)).judgement == "not reproduced"
 
 
 @pytest.mark.parametrize(

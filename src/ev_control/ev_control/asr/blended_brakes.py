@@ -5,7 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.estimation.plausible import is_plausible
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
+from ev_control.estimation.reference_speed import (
+    ReferenceSpeedParameters,
+    ReferenceSpeedState,
+    StandstillParameters,
+    rolling_speeds,
+)
 from ev_control.shared.blended_wheel import (
     BlendedWheel,
     BlendingParameters,
@@ -51,7 +56,9 @@ class BlendedBrakesParameters(BlendingParameters):
     )
     slip: SlipLimitParameters = group(SlipLimitParameters)
     yaw: YawDifferenceParameters = group(YawDifferenceParameters)
-    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters, source="observer", slipping_rate=0.05)
+    reference: ReferenceSpeedParameters = group(
+        ReferenceSpeedParameters, source="observer", slipping_rate=0.05, standstill=StandstillParameters(rate=1.0)
+    )
 
 
 @dataclass(slots=True)

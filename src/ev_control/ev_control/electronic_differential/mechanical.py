@@ -8,7 +8,7 @@ from ev_control.estimation.wheel_dynamics import filter_share
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
 from ev_control.shared.torque_split import differential
 from ev_core.law import Car, any_driven, compilable, each_driven, equal_motors, group, parameter, per_wheel, tanh
-from ev_msgs_py.contract.signals import DriverCommand, WheelStates, WheelTorqueRequest
+from ev_msgs_py.contract.signals import DriverCommand, Instant, WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, NO_WHEELS, REAR_LEFT, REAR_RIGHT, Wheels
 
 
@@ -149,13 +149,28 @@ def limited_slip_variable(
     return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, equal.brake))
 
 
+MODES = ("road", "off_road")
+ROAD, OFF_ROAD = range(len(MODES))
+_DROPPED, _TAKEN, _OFFERED = 0.0, -1.0, 1.0  # what becomes of a refusal for the other wheel of the axle
+
+
 @dataclass(frozen=True, slots=True)
 class AdaptiveParameters:
-    """Whether refused torque is offered on, and how fast."""
+    """The driver's switch, whether refused torque is offered on, and how fast."""
 
+    driving_mode: str = parameter(
+        "off_road",
+        choices=MODES,
+        about="road: the wheels of an axle get equal torques, so what one is refused the other does not get, either; "
+        "off_road: each gets what it can take",
+        source="dissertation, section 2.4; that refusals keep torques equal and chapter 3 is off_road is assumed",
+    )
+    switch_at: float = parameter(
+        0.0, unit="s", low=0.0, high=1e9, about="when the driver turns the switch to the other mode; 0: never"
+    )
     redistribute: bool = parameter(
         False,
-        about="offer what one wheel is refused to the other wheel of its axle, instead of dropping it",
+        about="off_road: offer what one wheel is refused to the other wheel of its axle, instead of dropping it",
         source="assumption where it is on: the dissertation (sections 2.4, 2.7.5, 3.1) has nothing of it",
     )
     filter_time: float = parameter(
@@ -169,39 +184,53 @@ class AdaptiveParameters:
 class AdaptiveState:
     """What lasts between steps."""
 
-    share: list[float] = per_wheel(unit="N m", about="what each wheel was asked for as its own share")
+    share: list[float] = per_wheel(unit="N m", about="what each wheel was asked for, without what it was offered")
     refused: list[float] = per_wheel(unit="N m", about="how much of it was refused")
 
 
 @differential("adaptive", AdaptiveParameters, state=AdaptiveState, needs=(each_driven, own_motors_to_allocate))
 @compilable
 def adaptive(
-    p: AdaptiveParameters, car: Car, s: AdaptiveState, period: float, driver: DriverCommand, wheels: WheelStates
+    p: AdaptiveParameters,
+    car: Car,
+    s: AdaptiveState,
+    period: float,
+    now: Instant,
+    driver: DriverCommand,
+    wheels: WheelStates,
 ) -> WheelTorqueRequest:
     """Give equal torques, of which the traction control of each wheel lets pass what that wheel can take.
 
     Dissertation, sections 2.4 and 3.1: the base is equal torques, and the ASR holds each wheel at the limit of its grip
-    on its own. What it refuses is dropped, as nothing in the source offers it to the other wheel; the request is then
-    that of `equal_torque`. How the "asymmetric regulation" of section 2.4 is formed is open: here by the ASR.
+    on its own. Against a low resistance the torques of the wheels are equalised ("road"), against a high one their
+    asymmetric regulation is switched on by force ("off-road"). How that is formed is open: here by the ASR. What it
+    refuses is dropped, as nothing in the source offers it to the other wheel; the request is then that of
+    `equal_torque`.
 
-    With `redistribute` the rest of a refused share R_i = M_share - M_i, with the torque M_i that acts on the wheel, is
-    added to the request of the other wheel of the axle, whose own ASR decides what it takes. So the wheels get no more
-    than the driver asked for as soon as the refusal is noticed; while it fades, for `filter_time`, the sum of the
-    requests is up to R_i higher. Nothing is offered on while the driver brakes, and a changed direction begins anew.
+    Let R_i = M_share - M_i be what wheel i was refused, with the torque M_i that acts on it. In the mode `road` it is
+    taken from the request of the other wheel of the axle, so that both get equal torques as soon as the refusal is
+    noticed, with `filter_time`: as behind an open differential the worse wheel sets the traction. In the mode
+    `off_road` with `redistribute` it is added to that request, and the other wheel's own ASR decides what it takes. So
+    the wheels get no more than the driver asked for as soon as the refusal is noticed; while it fades, for
+    `filter_time`, the sum of the requests is up to R_i higher. Nothing is taken or offered on while the driver brakes,
+    and a changed direction begins anew.
     """
     equal = split(p.brake, car, driver, 0.0)
-    offers = p.redistribute and driver.drive_torque != 0.0 and driver.brake_torque == 0.0
+    is_turned = 0.0 < p.switch_at <= now.time
+    is_road = (p.driving_mode == ROAD) != is_turned
+    refusal = _TAKEN if is_road else _OFFERED if p.redistribute else _DROPPED
     front_left, front_right, rear_left, rear_right = equal.drive
-    if offers:
-        approach = filter_share(period, p.filter_time)
-        front_right += refused(car, s, FRONT_LEFT, FRONT_RIGHT, equal.drive[0], wheels.effort[0], approach)
-        front_left += refused(car, s, FRONT_RIGHT, FRONT_LEFT, equal.drive[1], wheels.effort[1], approach)
-        rear_right += refused(car, s, REAR_LEFT, REAR_RIGHT, equal.drive[2], wheels.effort[2], approach)
-        rear_left += refused(car, s, REAR_RIGHT, REAR_LEFT, equal.drive[3], wheels.effort[3], approach)
+    if refusal != _DROPPED and driver.drive_torque != 0.0 and driver.brake_torque == 0.0:
+        acts, approach = wheels.effort, filter_share(period, p.filter_time)
+        gear = car.motor.gear_efficiency if is_road else 1.0  # what the gear takes is no refusal
+        front_right += refusal * refused(car, s, FRONT_LEFT, FRONT_RIGHT, equal.drive[0], acts[0] / gear, approach)
+        front_left += refusal * refused(car, s, FRONT_RIGHT, FRONT_LEFT, equal.drive[1], acts[1] / gear, approach)
+        rear_right += refusal * refused(car, s, REAR_LEFT, REAR_RIGHT, equal.drive[2], acts[2] / gear, approach)
+        rear_left += refusal * refused(car, s, REAR_RIGHT, REAR_LEFT, equal.drive[3], acts[3] / gear, approach)
     else:
         s.refused[:] = NO_WHEELS
-    s.share[:] = equal.drive
     drive = Wheels(front_left, front_right, rear_left, rear_right)
+    s.share[:] = drive if is_road else equal.drive
     return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, equal.brake))
 
 

@@ -26,6 +26,30 @@ def free_wheel_speed(car: Car, wheel_velocity: Wheels, road_wheel_angle: float, 
 
 SOURCES = ("automatic", "free_wheels", "observer")
 AUTOMATIC, FREE_WHEELS, OBSERVER = range(len(SOURCES))
+STANDING = 0.05  # tread of a wheel that stands, above the noise of wheel speeds [m/s]
+
+
+@dataclass(frozen=True, slots=True)
+class StandstillParameters:
+    """What an accelerometer shows while the car stands is its offset; all of it is assumed.
+
+    On a slope a car's shows g sin(angle) as well, which `largest` bounds; the plant's does not.
+    """
+
+    rate: float = parameter(
+        0.0,
+        unit="1/s",
+        low=0.0,
+        high=100.0,
+        about="at which the observer learns the offset; 0: never, nor that it stands",
+    )
+    largest: float = parameter(0.3, unit="m/s^2", low=0.0, high=10.0, about="offset that is believed")
+    time: float = parameter(
+        0.5, unit="s", low=0.0, high=100.0, about="for which all wheels stand until the car counts as standing"
+    )
+    speed: float = parameter(
+        5.0, unit="m/s", low=0.0, high=100.0, about="estimated, above which wheels that stand are locked ones"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +69,7 @@ class ReferenceSpeedParameters:
     slipping_rate: float = parameter(
         0.5, unit="1/s", low=0.0, high=1000.0, about="correction by wheels that may slip; bounds what offsets add up to"
     )
+    standstill: StandstillParameters = group(StandstillParameters)
     trust: WheelTrustParameters = group(WheelTrustParameters)
 
 
@@ -53,6 +78,8 @@ class ReferenceSpeedState:
     """What lasts between steps."""
 
     speed: float = entry(unit="m/s", about="estimated speed of the car along its axis, negative in reverse")
+    offset: float = entry(unit="m/s^2", about="of the accelerometer, as far as it is known")
+    stood: float = entry(unit="s", about="since when all wheels stand")
     trust: WheelTrustState = part(WheelTrustState)
 
 
@@ -97,7 +124,7 @@ def rolling_speeds(
         velocity.rear_left * radius + rear,
         velocity.rear_right * radius - rear,
     )
-    gained = imu.longitudinal_acceleration * period
+    gained = (imu.longitudinal_acceleration - s.offset) * period
     if s.trust.known == 0.0:
         s.trust.known = 1.0
         s.speed = ((by_wheel[0] + by_wheel[1]) + (by_wheel[2] + by_wheel[3])) / 4.0
@@ -105,7 +132,11 @@ def rolling_speeds(
         judge_wheels(p.trust, car, s.trust, period, velocity, by_wheel, s.speed + gained, gained, direction)
     number, total = free_wheels(car, s, by_wheel)
     if p.source == OBSERVER or number == 0.0:
-        s.speed = observed_speed(p, s, period, by_wheel, gained, direction)
+        if p.standstill.rate > 0.0 and stands(p.standstill, car, s, period, velocity):
+            learn_offset(p.standstill, s, period, imu.longitudinal_acceleration)
+            s.speed = 0.0
+        else:
+            s.speed = observed_speed(p, s, period, by_wheel, gained, direction)
     else:
         s.speed = total / number
     u = s.speed
@@ -148,3 +179,18 @@ def observed_speed(
     gap = (slowest if ahead > 0.0 else fastest) - u
     rate = p.gripping_rate if gap * ahead < 0.0 else p.slipping_rate
     return u + gap * min(rate * period, 1.0)
+
+
+@compilable
+def stands(p: StandstillParameters, car: Car, s: ReferenceSpeedState, period: float, velocity: Wheels) -> bool:
+    """Whether the car stands: all its wheels do, for some time, and it was not fast before."""
+    fastest = max(max(abs(velocity[0]), abs(velocity[1])), max(abs(velocity[2]), abs(velocity[3])))
+    s.stood = s.stood + period if fastest * car.wheel_radius < STANDING else 0.0
+    return s.stood > p.time and abs(s.speed) <= p.speed
+
+
+@compilable
+def learn_offset(p: StandstillParameters, s: ReferenceSpeedState, period: float, acceleration: float) -> None:
+    """Take what the accelerometer shows at rest [m/s^2] for its offset, first order."""
+    learned = s.offset + min(p.rate * period, 1.0) * (acceleration - s.offset)
+    s.offset = min(max(learned, -p.largest), p.largest)

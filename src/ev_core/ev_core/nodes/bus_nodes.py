@@ -8,8 +8,6 @@ from __future__ import annotations
 import time
 from typing import Any
 
-from rclpy.clock import Clock as RosClock
-from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
 from ev_core.bus.channel import Channels
@@ -121,11 +119,7 @@ class BusNode(WithBus, Node):
         self.prepare()
         bus: BusParameters = self.parameters.bus
         self.begin(Channels(bus, bus.log))
-        # For rclpy's own executors; `spinning.spin` polls by itself.
-        self.create_timer(TICK, self._look, clock=RosClock(clock_type=ClockType.STEADY_TIME))
-
-    def _look(self) -> None:
-        self.poll()
+        self.every(TICK, self.poll)
 
     def prepare(self) -> None:
         """Make what frames and cycles need, before the bus is open."""

@@ -40,19 +40,15 @@ class Reception:
             fresh = stepper.answered == NEVER
             arrival = inbox.offer(kind, stamp, numbers)
             if arrival is not new:
-                self._note(topic, stamp, arrival)
+                self.arrivals[arrival] += 1
+                if arrival is Arrival.GAP:  # which cannot belong to the run
+                    self._report_gap(topic, stamp)
             for answer in stepper.answers_to(kind, stamp, arrival):
                 publish(answer)
                 if fresh:
                     self._note_beginning(stamp)
 
         return receive
-
-    def _note(self, topic: Topic, stamp: int, arrival: Arrival) -> None:
-        """Count it, and report what cannot belong to the run."""
-        self.arrivals[arrival] += 1
-        if arrival is Arrival.GAP:
-            self._report_gap(topic, stamp)
 
     def _note_beginning(self, stamp: int) -> None:
         """Report a first answer that is not that of the beginning of a run."""

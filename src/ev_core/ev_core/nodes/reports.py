@@ -7,8 +7,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rclpy.clock import Clock as RosClock
-from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -44,7 +42,7 @@ class Health:
         self._node = node
         self._wall, self._stamp = time.monotonic(), 0
         self.late_answers = 0  # times that the master has published its state again
-        node.create_timer(_PERIOD, self._say, clock=RosClock(clock_type=ClockType.STEADY_TIME))
+        node.every(_PERIOD, self._say)
 
     def _say(self) -> None:
         wall, answer = time.monotonic(), self._node.stepper.answer

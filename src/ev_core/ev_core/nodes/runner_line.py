@@ -107,15 +107,12 @@ def _inherited() -> tuple[socket.socket | None, bytes]:
         line = socket.socket(fileno=os.dup(int(number)))
     except (ValueError, OSError):
         return None, b""
-    if line.family != socket.AF_UNIX or line.type != socket.SOCK_SEQPACKET or _maker(line) != runner:
-        line.close()
-        return None, b""
-    return line, bytes.fromhex(key)
-
-
-def _maker(line: socket.socket) -> str:
-    """The process that has made the pair of sockets."""
-    return str(int.from_bytes(line.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 4), "little"))
+    if line.family == socket.AF_UNIX and line.type == socket.SOCK_SEQPACKET:
+        maker = int.from_bytes(line.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 4), "little")  # of both ends
+        if str(maker) == runner:
+            return line, bytes.fromhex(key)
+    line.close()
+    return None, b""
 
 
 class ListeningEnd:

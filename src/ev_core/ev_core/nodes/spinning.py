@@ -13,6 +13,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
@@ -99,6 +101,10 @@ class Spinnable:
 
     def close(self) -> None:
         """The process ends."""
+
+    def every(self: Any, period: float, call: Callable[[], object]) -> None:
+        """Call something by the wall clock, whoever runs the node: rclpy's own executors know nothing but timers."""
+        self.create_timer(period, call, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
 
 def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:

@@ -25,7 +25,7 @@ from ev_core.nodes import ros_parameters
 from ev_core.nodes.reception import Reception
 from ev_core.nodes.reports import Health, Reports
 from ev_core.nodes.runner_line import TALLY, Waiting, Word
-from ev_core.nodes.signal_io import SignalReader, SignalWriter, SubscriptionHandle, Succeeded
+from ev_core.nodes.signal_io import SignalReader, SignalWriter, SubscriptionHandle
 from ev_core.nodes.spinning import Spinnable
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
@@ -63,16 +63,16 @@ class SteppedNode(Spinnable, Node):
         self.reception = Reception(self.stepper, self.reports, self.publish)
         writes = sorted(configuration.method.writes, key=arrival_place)
         self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in writes}
-        reads = self.also_reads(self.stepper.reads)
+        masters = {signal for signal, writer in WRITERS.items() if writer == MASTER}
         self.readers = {
             signal: SignalReader(
                 self,
                 TOPICS[signal],
                 self.receiver(TOPICS[signal]),
                 self.reports.note,
-                succeeded=self._succeeded(signal),
+                succeeded=self.reception.note_new_master if signal in masters else lambda _: None,
             )
-            for signal in reads
+            for signal in self.also_reads(self.stepper.reads)
         }
         self.health = Health(self)
         self._waiting = Waiting(self.reports.runner)
@@ -98,10 +98,6 @@ class SteppedNode(Spinnable, Node):
     def receiver(self, topic: Topic) -> Callable[[bytes], None]:
         """What takes the serialized messages of a topic."""
         return self.reception.receiver(topic)
-
-    def _succeeded(self, signal: type) -> Succeeded:
-        """What is called when the writer of a signal was started anew."""
-        return self.reception.note_new_master if WRITERS.get(signal) == MASTER else lambda _: None
 
     def publish(self, answer: Answer) -> None:
         """Publish an answer."""

@@ -17,7 +17,7 @@ from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 # In the order of the parameter reference. What nobody measures (commands, the recorder) is not among them.
-_OF_CIRCUITS = (optional.BenchShafts, optional.BenchElectrical, optional.BenchTemperatures)
+_OF_CIRCUITS = (optional.BenchShafts, optional.BenchElectrical, optional.BenchTemperatures, optional.BenchCoolant)
 
 
 _MEASURED = (

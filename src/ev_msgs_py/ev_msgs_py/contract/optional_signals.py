@@ -135,7 +135,7 @@ class CellCondition(NamedTuple):
 
 
 class LoadCommand(NamedTuple):
-    """What the virtual car asks of the load machines of a test bench, at the shafts behind the gear."""
+    """What the virtual car, or a constant in its place, asks of the load machines of a test bench, at their shafts."""
 
     mode: Annotated[Wheels, Field("1", "1: the torque is controlled, 2: the speed is", "{wheel}.position")]
     speed: Annotated[Wheels, Field("rad/s", "of the shaft, forwards positive", "{wheel}.velocity")]
@@ -191,6 +191,17 @@ class BenchTemperatures(NamedTuple):
     load_coolant_in: Annotated[Wheels, _temperature("of the load machine, inlet", "{wheel}_load_coolant_in.effort")]
     load_coolant_out: Annotated[Wheels, _temperature("of the load machine, outlet", "{wheel}_load_coolant_out.effort")]
     rotor: Annotated[Wheels, _temperature("of the machine under test", "{wheel}_rotor.effort")]
+
+
+def _flow(about: str, place: str) -> Field:
+    return Field("l/min", about, place, sensor="bench_coolant_flow", largest=100.0)
+
+
+class BenchCoolant(NamedTuple):
+    """What the flow sensors in the coolant loops of a test bench show; motor and inverter share a loop."""
+
+    flow: Annotated[Wheels, _flow("of the machine under test", "{wheel}_coolant.velocity")]
+    load_flow: Annotated[Wheels, _flow("of the load machine", "{wheel}_load_coolant.velocity")]
 
 
 class BenchEnergy(NamedTuple):

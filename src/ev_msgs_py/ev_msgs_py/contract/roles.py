@@ -95,6 +95,7 @@ ROLES = {
                 optional.BenchEnergy,
                 optional.FeedbackFrames,
                 optional.BusStates,
+                optional.BenchCoolant,
             ),
             default_method="circuits",
             optional=True,

@@ -61,6 +61,7 @@ TOPICS = {
         Topic("bench/electrical", optional.BenchElectrical, JOINT_STATE),
         Topic("bench/temperatures", optional.BenchTemperatures, JOINT_STATE),
         Topic("bench/energy", optional.BenchEnergy, JOINT_STATE),
+        Topic("bench/coolant", optional.BenchCoolant, JOINT_STATE),
         Topic("can/set_points", optional.SetPointFrames, JOINT_STATE),
         Topic("can/feedback", optional.FeedbackFrames, JOINT_STATE),
         Topic("can/bus", optional.BusStates, JOINT_STATE),

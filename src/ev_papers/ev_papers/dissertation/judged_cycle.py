@@ -255,3 +255,28 @@ def difference(model: ScenarioRuns, bench: ScenarioRuns) -> float:
 def difference_over(model: ScenarioRuns, bench: ScenarioRuns, exact: ScenarioRuns) -> float:
     """That difference on a bench with exact sensors over that on the bench [1]."""
     return difference(model, exact) / difference(model, bench)
+
+
+_SETTLED = 5.0  # s, after which a launch and a load machine have settled
+
+
+def _at_the_end(run: Recording, name: str) -> np.ndarray:
+    return channel(run, name)[run.time >= _SETTLED]
+
+
+def torque_right_over_left(driven: ScenarioRuns, mode: str) -> float:
+    """Mean torque of the right front wheel over that of the left one, when a launch has settled [1]."""
+    run = run_named(driven.runs, mode)
+    return float(np.divide(*(_at_the_end(run, f"wheel_states.effort.{wheel}").mean() for wheel in (_RIGHT, _LEFT))))
+
+
+def load_machine(driven: ScenarioRuns, run: str, quantity: str, side: str) -> float:
+    """Torque [N m] or speed [rad/s] of a load machine that follows a constant: where it is furthest from its mean."""
+    values = _at_the_end(run_named(driven.runs, run), f"bench.shafts.{quantity}.front_{side}")
+    return float(values[np.argmax(np.abs(values - values.mean()))])
+
+
+def loops_with_flow(driven: ScenarioRuns) -> float:
+    """Coolant loops whose flow is measured [1]."""
+    run = run_named(driven.runs, "constant_speed")
+    return float(sum(name.startswith("bench.coolant.") and run.channels[name][-1] > 0.0 for name in run.channels))

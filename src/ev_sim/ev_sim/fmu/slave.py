@@ -175,16 +175,13 @@ class Slave(Fmi2Slave):
         would be fatal to the whole unit.
         """
         try:
-            self._go_on(stamps.from_seconds(current_time), step_size)
+            start, steps = stamps.from_seconds(current_time), stamps.from_seconds(step_size) / self._period
+            if steps != int(steps) or steps < 1:
+                allowed = f"{stamps.to_seconds(self._period):g} s or a multiple of it"
+                raise ParameterError(f"step size {step_size:g} s is refused, allowed is {allowed}")
+            for step in range(int(steps)):
+                self._shown = self._answer(stamps.to_seconds(start + step * self._period), self._given)
         except ValueError as error:
             self.log(str(error), Fmi2Status.error)
             return False
         return True
-
-    def _go_on(self, start: int, step_size: float) -> None:
-        steps = stamps.from_seconds(step_size) / self._period
-        if steps != int(steps) or steps < 1:
-            period = stamps.to_seconds(self._period)
-            raise ParameterError(f"step size {step_size:g} s is refused, allowed is {period:g} s or a multiple of it")
-        for step in range(int(steps)):
-            self._shown = self._answer(stamps.to_seconds(start + step * self._period), self._given)

@@ -8,8 +8,6 @@ from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.clock import Clock as RosClock
-from rclpy.clock import ClockType
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
@@ -40,7 +38,7 @@ class RecorderInput:
     def __init__(
         self, node: Node, topics: Sequence[Topic], recorder: RunRecorder, beside: bool, reports: Reports
     ) -> None:
-        self._node, self._recorder, self._reports = node, recorder, reports
+        self._recorder, self._reports = recorder, reports
         self._clock_stamp = -1
         self._early: list[tuple[int, bytes, int]] = []  # of /clock, for a run whose first state has yet to be taken
         self._next_poll = 0.0
@@ -123,8 +121,7 @@ class RecorderNode(Spinnable, Node):
         self._told = -1
         self._asked_since = 0.0  # wall time at which the master waited for us first
         self._progress = SignalWriter(self, TOPICS[RECORDER_WRITES])
-        # For rclpy's own executors; `spinning.spin` polls by itself.
-        self.create_timer(POLL_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))
+        self.every(POLL_PERIOD, self.idle)
 
     def poll(self) -> bool:
         """Take every message that has arrived, now and then; False, so that the node rests in between."""

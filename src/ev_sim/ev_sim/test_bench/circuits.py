@@ -4,8 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import fields
+from typing import Any
 
-from ev_core.law import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures, Car, LoadCommand, Vehicle, Wheels
+from ev_core.law import (
+    BenchCoolant,
+    BenchElectrical,
+    BenchEnergy,
+    BenchShafts,
+    BenchTemperatures,
+    Car,
+    LoadCommand,
+    Vehicle,
+    Wheels,
+)
 from ev_core.methods.register import method
 from ev_core.vehicle.car import any_driven
 from ev_msgs_py.compilable import compilable
@@ -120,18 +131,17 @@ def _energy(p: CircuitsParameters, c: circuit.CircuitsConstants, s: CircuitsStat
     return BenchEnergy(battery, mains, resistor, machines, loads, shafts, stored)
 
 
-@method(
-    "test_bench",
-    "circuits",
-    CircuitsParameters,
-    state=CircuitsState,
-    prepare=prepare,
-    outputs=outputs,
-    writes=(BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy),
-    needs=(any_driven,),
-    requires={"plant": "planar_on_bench"},
-    mirrored=True,
-)
+CHANNELS = (BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy)
+CIRCUITS: dict[str, Any] = {
+    "state": CircuitsState,
+    "prepare": prepare,
+    "needs": (any_driven,),
+    "requires": {"plant": "planar_on_bench"},
+    "mirrored": True,
+}
+
+
+@method("test_bench", "circuits", CircuitsParameters, outputs=outputs, writes=CHANNELS, **CIRCUITS)
 @compilable
 def circuits(
     p: CircuitsParameters,
@@ -156,3 +166,41 @@ def circuits(
             given = circuit.CircuitSetPoint(shaft_torque, load.mode[i], load.torque[i], load.speed[i])
             circuit.advance_circuit(p, c, s.circuits[i], s.periods, given, period)
     s.periods += 1.0
+
+
+@compilable
+def outputs_with_flow(
+    p: CircuitsParameters, car: Car, c: circuit.CircuitsConstants, s: CircuitsState
+) -> tuple[BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy, BenchCoolant]:
+    """Those of `circuits`, and the flow in the coolant loops [l/min]: none where there is no circuit or no cooling."""
+    shafts, electrical, temperatures, energy = outputs(p, car, c, s)
+    flow, load_flow = p.cooling * c.machine.thermal.coolant_flow, p.cooling * p.load.thermal.coolant_flow
+    n = car.driven
+    coolant = BenchCoolant(
+        Wheels(n[0] * flow, n[1] * flow, n[2] * flow, n[3] * flow),
+        Wheels(n[0] * load_flow, n[1] * load_flow, n[2] * load_flow, n[3] * load_flow),
+    )
+    return shafts, electrical, temperatures, energy, coolant
+
+
+@method(
+    "test_bench",
+    "circuits_with_flow",
+    CircuitsParameters,
+    outputs=outputs_with_flow,
+    writes=(*CHANNELS, BenchCoolant),
+    **CIRCUITS,
+)
+@compilable
+def circuits_with_flow(
+    p: CircuitsParameters,
+    car: Car,
+    c: circuit.CircuitsConstants,
+    s: CircuitsState,
+    period: float,
+    command: WheelTorqueCommand,
+    load: LoadCommand,
+    battery: BatteryCondition,
+) -> None:
+    """The same circuits, with the flow sensors of their coolant loops (section 4.2) among the channels."""
+    circuits(p, car, c, s, period, command, load, battery)

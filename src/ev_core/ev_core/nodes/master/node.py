@@ -12,8 +12,6 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
-from rclpy.clock import Clock as RosClock
-from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
@@ -83,8 +81,7 @@ class MasterNode(SteppedNode):
         self._clock_topic = self.create_publisher(Clock, "/clock", QUALITY).handle
         self._silence = Silence(self)
         serve_time(self, self.schedule, self._begin, self.reports)
-        # For rclpy's own executors; `spinning.spin` calls idle() by itself. The clock is the wall's, not /clock.
-        self.create_timer(_RETRY_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))
+        self.every(_RETRY_PERIOD, self.idle)
         self._begin()
 
     @cached_property
@@ -217,7 +214,7 @@ class MasterNode(SteppedNode):
             if schedule.at_end:
                 self._end()
                 return
-            answer = self._held_step() if realtime else self.stepper.step()
+            answer = schedule.held_step() if realtime else self.stepper.step()
             assert answer is not None, "the schedule lets time go on only with all inputs"
             if schedule.now == self.stepper.period:
                 schedule.pace_from_here()  # the first step has waited for all nodes to come up
@@ -226,11 +223,6 @@ class MasterNode(SteppedNode):
                 schedule.timing.stepped(late)
                 if late > stamps.to_seconds(self.stepper.period):
                     self._note_overrun()
-
-    def _held_step(self) -> Answer:
-        """One step with the newest inputs; without a torque command that is fresh enough the torque is zero."""
-        now = self.now
-        return self.stepper.step_with(now + self.stepper.inbox.run, self.schedule.held_inputs(now))
 
     def _note_overrun(self) -> None:
         """A burst of late steps would be no real time."""

@@ -12,12 +12,11 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from ev_core.lockstep.inbox import NEVER
-from ev_core.lockstep.stepper import Stepper
+from ev_core.lockstep.stepper import Answer, Stepper
 from ev_core.nodes.master.real_time import RECORDER_LAG, FadingInputs, MasterParameters, Timing
 from ev_core.nodes.reports import Reports
 from ev_core.nodes.runner_line import TIME_SERVICE, Word
 from ev_msgs_py.contract import stamps
-from ev_msgs_py.contract.frame import Frame
 
 
 class Pace:
@@ -148,11 +147,13 @@ class Schedule:
                 self._begin_here()
             self._recorded = max(self._recorded, instant)
 
-    def held_inputs(self, now: int) -> Frame:
-        """What realtime integrates with at a stamp."""
-        share = self.held.share(now, self._stepper.period, self._parameters)
+    def held_step(self) -> Answer:
+        """One step of real time, with the newest inputs; the torque of a command that is not fresh enough has faded."""
+        now, period = self.now, self._stepper.period
+        share = self.held.share(now, period, self._parameters)
         self.timing.without_command += share < 1.0
-        return self.held.at(share, self._parameters.command_loss_brake_torque)
+        inputs = self.held.at(share, self._parameters.command_loss_brake_torque)
+        return self._stepper.step_with(now + self._stepper.inbox.run, inputs)
 
     def hold(self, kind: type, stamp: int, numbers: Sequence[float]) -> None:
         """Keep an input of realtime, which begins when every input has come once."""

@@ -1,15 +1,16 @@
 """The planar plant with its driven machines on a test bench: what is measured there drives the virtual car.
 
-Dissertation, section 4.1: the measured torque drives the driveline of the virtual car, which sets the load machines.
+Dissertation, section 4.1: the measured torque drives the driveline of the virtual car, which sets the load machines; or
+these get a constant torque or speed (section 4.2).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.law import Car, Vehicle, compilable, entry, inlined, method, parameter, per_wheel, working_memory
+from ev_core.law import Car, Vehicle, compilable, entry, group, inlined, method, parameter, per_wheel, working_memory
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
-from ev_msgs_py.can.frames import SPEED_MODE
+from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchShafts, LoadCommand
 from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.electrical_side import current_at_power
@@ -23,6 +24,28 @@ from ev_sim.plant.planar.shown import PLANAR_SIGNALS, Seen, begin, seen, wheels_
 
 WHEEL_SPEEDS = ("virtual", "load_machine")
 VIRTUAL, LOAD_MACHINE = range(len(WHEEL_SPEEDS))
+LOADS = ("road", "torque", "speed")
+ROAD, CONSTANT_TORQUE, CONSTANT_SPEED = range(len(LOADS))
+
+
+@dataclass(frozen=True, slots=True)
+class LoadParameters:
+    """What the load machines follow; those of both circuits work together or each for itself (section 4.2)."""
+
+    follows: str = parameter(
+        "road",
+        choices=LOADS,
+        about="road: what wheel, road and brake ask for; torque, speed: a constant, whatever these ask for",
+        source="dissertation, sections 4.1 and 4.2",
+    )
+    torque_left: float = parameter(
+        0.0, unit="N m", low=-1000.0, high=1000.0, about="constant, at the shaft, positive against forwards"
+    )
+    torque_right: float = parameter(0.0, unit="N m", low=-1000.0, high=1000.0, about="the same of the right circuits")
+    speed_left: float = parameter(
+        0.0, unit="rad/s", low=-1047.2, high=1047.2, about="constant, of the shaft, forwards positive"
+    )
+    speed_right: float = parameter(0.0, unit="rad/s", low=-1047.2, high=1047.2, about="the same of the right circuits")
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,10 +68,12 @@ class PlanarOnBenchParameters(PlanarParameters):
         "virtual: the one that the load machine is set to hold, the default behind a real bus",
         source="dissertation, section 4.1: the speed of the load machine is that of the virtual driven wheel",
     )
+    load: LoadParameters = group(LoadParameters)
 
 
 _BEYOND = 2.0  # times its largest torque is what a machine is believed to give: the transducer may err
 _MOST_POWER = 1e7  # W, believed of the electrical measurement
+_MOST_SPEED = 1e3  # rad/s, believed of a wheel
 _MOST_APART = 100.0  # rad/s that a wheel is believed to be away from the set-point of its load machine
 
 
@@ -88,12 +113,15 @@ def outputs(
     steps = working_memory(STEP_MEMORY)
     said = seen(p, car, c, s, steps)
     motors = MotorStates(wheels_from(s.measured_speed, 0), wheels_from(s.measured_torque, 0))
-    return said[0], motors, said[2], said[3], said[4], said[5], said[6], _load(car, c, s, steps[0])
+    return said[0], motors, said[2], said[3], said[4], said[5], said[6], _load(p.load, car, c, s, steps[0])
 
 
 @compilable
-def _load(car: Car, c: PlanarConstants, s: PlanarOnBenchState, step: Step) -> LoadCommand:
-    """What wheel, road and brake ask of the load machines: n = i w, M = (F_x r + M_f + M_brake)/i (section 4.1)."""
+def _load(p: LoadParameters, car: Car, c: PlanarConstants, s: PlanarOnBenchState, step: Step) -> LoadCommand:
+    """What wheel, road and brake ask of the load machines: n = i w, M = (F_x r + M_f + M_brake)/i (section 4.1).
+
+    Or a constant torque, beside the speed at which the shaft turns, or a constant speed, beside the torque of the road.
+    """
     y, gear = s.motion, car.gear_ratio
     rolling = car.rolling_resistance + car.rolling_resistance_growth * y[VX] * y[VX]
     mode, speed, torque = step.asked, step.shaft, step.target
@@ -103,6 +131,11 @@ def _load(car: Car, c: PlanarConstants, s: PlanarOnBenchState, step: Step) -> Lo
         mode[i] = car.driven[i] * SPEED_MODE
         speed[i] = car.driven[i] * gear * (y[WHEEL_SPEED + i] - s.apart[i])
         torque[i] = car.driven[i] * (radius * step.force_x[i] + step.motion[i] * dry) / gear
+        if p.follows == CONSTANT_TORQUE:
+            mode[i], speed[i] = car.driven[i] * TORQUE_MODE, s.measured_speed[i]
+            torque[i] = car.driven[i] * (p.torque_left if i % 2 == 0 else p.torque_right)
+        elif p.follows == CONSTANT_SPEED:
+            speed[i] = car.driven[i] * (p.speed_left if i % 2 == 0 else p.speed_right)
     return LoadCommand(wheels_from(mode, 0), wheels_from(speed, 0), wheels_from(torque, 0))
 
 
@@ -142,9 +175,12 @@ def planar_on_bench(
         if p.wheel_speed == LOAD_MACHINE:
             # The wheel meets the road as its load machine turned when the last period ended. The set-point of the load
             # machine goes on from its last one, the speed J w' = i M - F_x r - M_f - M_brake of the virtual wheel. The
-            # difference between both, held over a period, is what the load machine does not follow.
-            told = s.motion[WHEEL_SPEED + i] - s.apart[i]
-            behind = shafts.load_speed[i] / car.gear_ratio - s.told_speed[i]
+            # difference between both, held over a period, is what the load machine does not follow. One that follows
+            # a constant is told nothing of the wheel, which begins each period with the measured speed.
+            speed, told = shafts.load_speed[i] / car.gear_ratio, s.motion[WHEEL_SPEED + i] - s.apart[i]
+            if p.load.follows != ROAD:
+                told = s.told_speed[i] = accepted(s.guard, speed, told, -_MOST_SPEED, _MOST_SPEED)
+            behind = speed - s.told_speed[i]
             s.apart[i], s.told_speed[i] = accepted(s.guard, behind, 0.0, -_MOST_APART, _MOST_APART), told
             s.motion[WHEEL_SPEED + i] = told + s.apart[i]
     driven, voltage, current = car.driven, electrical.voltage, electrical.current
