@@ -51,7 +51,6 @@ OF_THE_CAR = {
 }
 KINDS = {**OF_SIGNALS, **OF_THE_CAR}
 
-
 SYNTAX = "KIND WHERE [VALUE] [from SECONDS] [until SECONDS]"
 BATTERY = "battery"
 _TOLERANCE = 1e-6  # of a period: 0.3 s are 30 periods of 0.01 s, though 0.3/0.01 is a little less

@@ -19,7 +19,6 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 # In the order of the parameter reference. What nobody measures (commands, the recorder) is not among them.
 _OF_CIRCUITS = (optional.BenchShafts, optional.BenchElectrical, optional.BenchTemperatures, optional.BenchCoolant)
 
-
 _MEASURED = (
     signals.WheelStates,
     signals.MotorStates,
@@ -35,7 +34,6 @@ _MEASURED = (
     optional.RearSteeringState,
     *_OF_CIRCUITS,
 )
-
 
 # A heading is carried by two numbers of a quaternion, a charge is a share of the capacity: how, and in which order.
 _SPECIAL = {

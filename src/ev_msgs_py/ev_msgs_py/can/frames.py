@@ -65,7 +65,6 @@ RPM = pi / 30.0  # rad/s
 NO_MODE, TORQUE_MODE, SPEED_MODE = range(3)  # of a set-point
 LONG_AGO = 1e9  # s; an age of what has never been
 
-
 TICK = 0.001  # s
 
 
