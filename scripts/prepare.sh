@@ -13,6 +13,7 @@ if [[ "$root" == *[[:space:]]* ]]; then
 fi
 unset CDPATH # by which `cd` would lead elsewhere
 export LC_ALL=C PIP_DISABLE_PIP_VERSION_CHECK=1
+exec {terminal}>&2 # past the log of a step
 
 # A ROS 2 distribution that is sourced goes before the wheels of requirements.lock.
 distribution=""
@@ -21,7 +22,7 @@ if [[ -n "${ROS_DISTRO:-}" ]] && command -v ros2 >/dev/null; then
 fi
 case "$distribution" in
     foxy | galactic | humble | iron)
-        echo "ROS 2 $distribution is sourced, whose Python is older than 3.11: source jazzy, kilted or rolling, or none," \
+        echo "ROS 2 $distribution is sourced, whose Python is older than 3.11: source jazzy, kilted, lyrical or rolling, or none," \
             "then ROS 2 comes by pip (docs/installing.md)" >&2
         exit 1
         ;;
@@ -79,13 +80,28 @@ install_beside_distribution() {
     install_packages --requirement .venv/missing.txt --constraint .venv/constraints.txt
 }
 
-# Python compiles what it imports when it does; pip would compile everything, which takes as long as the rest.
+# uv: the one on the PATH, else the one that the lock names, down to its hash; none where it cannot be had.
+find_uv() {
+    uv="$(type -P uv || true)"
+    [[ -z "$uv" ]] || return 0
+    uv=.venv/bin/uv
+    [[ ! -x "$uv" ]] || return 0
+    awk '/^[^ #]/ { named = /^uv==/ } named' requirements.lock >.venv/uv.txt
+    .venv/bin/python -m pip install --no-compile --no-deps --require-hashes --requirement .venv/uv.txt || uv=""
+}
+
+# As pip is told to by its configuration. Python compiles what it imports when it does; pip would compile everything.
 install_packages() {
-    if command -v uv >/dev/null; then
-        uv pip install --python .venv/bin/python "$@"
-    else
-        .venv/bin/python -m pip install --no-compile "$@"
+    find_uv
+    if [[ -n "$uv" ]]; then
+        (
+            variables="$(.venv/bin/python -m pip config list | .venv/bin/python scripts/uv_as_pip.py)"
+            eval "$variables"
+            "$uv" pip install --python .venv/bin/python "$@"
+        ) && return
     fi
+    printf 'uv %s: pip installs, which takes longer ... ' "$([[ -n "$uv" ]] && echo fails || echo "cannot be had")" >&"$terminal"
+    .venv/bin/python -m pip install --no-compile "$@"
 }
 
 # Exactly the files that the lock names, down to their hashes; it has all that is needed (scripts/lock-overrides.txt).
@@ -114,7 +130,7 @@ make_environment() {
     else
         check_python "$python"
         step "making .venv" "$python" -m venv .venv
-        step "installing ROS 2 and the tools of requirements.lock (once, about a minute)" install_locked
+        step "installing ROS 2 and the tools of requirements.lock (once)" install_locked
     fi
     environment_fingerprint >.venv/.complete
     trap - EXIT
@@ -138,24 +154,12 @@ record_paths() {
     printf '%s\n' "$root"/build/{ev_msgs_py,ev_core,ev_control,ev_sim,ev_papers} >"$packages/ev_stack.pth"
 }
 
-source_fingerprint() {
-    find src -name __pycache__ -prune -o -name '*.py' -print | sort | xargs cat | sha256sum
-}
-
-# A law that cannot be compiled says so when it is run: it must not keep the others from running.
-compile_methods() {
-    # shellcheck disable=SC1091
-    (source install/environment.bash && NUMBA_NUM_THREADS=1 .venv/bin/python -m ev_sim.commands.compile_all) || true
-    source_fingerprint >install/.compiled
-}
-
 build_workspace() {
     rm -f install/.complete
     step "building the workspace" .venv/bin/python -m colcon build --symlink-install --base-paths src
     record_environment
     record_paths
-    [[ "$(cat install/.compiled 2>/dev/null)" == "$(source_fingerprint)" ]] ||
-        step "compiling plants and laws (once)" compile_methods
+    ln -sf "$root/install/ev_sim/lib/ev_sim/ev-stack" .venv/bin/ev-stack
     build_fingerprint >install/.complete
 }
 
