@@ -74,39 +74,45 @@ check_python() {
     fi
 }
 
+# By pip: uv does not see what the distribution has, and would install all of it anew, setuptools of another kind as well.
 install_beside_distribution() {
-    sed -E 's/[[:space:]]*#.*//; s/(\[|==).*//; /^ros-/d; /^$/d' requirements.txt >.venv/missing.txt
+    sed -E 's/[[:space:]]*#.*//; s/(\[|==).*//; /^ros-/d; /^uv$/d; /^$/d' requirements.txt >.venv/missing.txt
     .venv/bin/python -c 'import numpy; print("numpy==" + numpy.__version__)' >.venv/constraints.txt
-    install_packages --requirement .venv/missing.txt --constraint .venv/constraints.txt
+    pip_install --requirement .venv/missing.txt --constraint .venv/constraints.txt
 }
 
 # uv: the one on the PATH, else the one that the lock names, down to its hash; none where it cannot be had.
 find_uv() {
     uv="$(type -P uv || true)"
     [[ -z "$uv" ]] || return 0
-    uv=.venv/bin/uv
-    [[ ! -x "$uv" ]] || return 0
     awk '/^[^ #]/ { named = /^uv==/ } named' requirements.lock >.venv/uv.txt
-    .venv/bin/python -m pip install --no-compile --no-deps --require-hashes --requirement .venv/uv.txt || uv=""
+    pip_install --no-deps --require-hashes --requirement .venv/uv.txt || return 0
+    uv=.venv/bin/uv
 }
 
-# As pip is told to by its configuration. Python compiles what it imports when it does; pip would compile everything.
-install_packages() {
-    find_uv
-    if [[ -n "$uv" ]]; then
-        (
-            variables="$(.venv/bin/python -m pip config list | .venv/bin/python scripts/uv_as_pip.py)"
-            eval "$variables"
-            "$uv" pip install --python .venv/bin/python "$@"
-        ) && return
-    fi
-    printf 'uv %s: pip installs, which takes longer ... ' "$([[ -n "$uv" ]] && echo fails || echo "cannot be had")" >&"$terminal"
+# Python compiles what it imports when it does; pip would compile everything, which takes as long as the rest.
+pip_install() {
     .venv/bin/python -m pip install --no-compile "$@"
 }
 
+# As pip is told to by its configuration.
+uv_install() (
+    variables="$(.venv/bin/python -m pip config list | .venv/bin/python scripts/uv_as_pip.py)" || return
+    eval "$variables"
+    "$uv" pip install --python .venv/bin/python "$@"
+)
+
 # Exactly the files that the lock names, down to their hashes; it has all that is needed (scripts/lock-overrides.txt).
 install_locked() {
-    install_packages --no-deps --require-hashes --requirement requirements.lock
+    awk '/^[^ #]/ { named = !/^uv==/ } named' requirements.lock >.venv/locked.txt
+    local words=(--no-deps --require-hashes --requirement .venv/locked.txt) trouble="cannot be had"
+    find_uv
+    if [[ -n "$uv" ]]; then
+        uv_install "${words[@]}" && return
+        trouble="fails"
+    fi
+    printf 'uv %s: pip installs, which takes longer ... ' "$trouble" >&"$terminal"
+    pip_install "${words[@]}"
 }
 
 update_environment() {

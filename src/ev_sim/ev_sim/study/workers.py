@@ -71,9 +71,6 @@ def refuse_others(client: Client) -> None:
         if digest != sources:
             raise RunFailed(f"worker {worker} has other sources or config files, allowed are those of here")
 
-
-Job = tuple[Case, Measure]
-
 _LOSSES = 3  # of workers with the same case, which then is given up
 
 
