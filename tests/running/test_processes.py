@@ -1,4 +1,4 @@
-"""What is seen to before the nodes of a run are started, each in a process of its own."""
+"""How the processes of the nodes of a run are started."""
 
 import os
 from pathlib import Path

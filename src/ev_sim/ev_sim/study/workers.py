@@ -71,6 +71,7 @@ def refuse_others(client: Client) -> None:
         if digest != sources:
             raise RunFailed(f"worker {worker} has other sources or config files, allowed are those of here")
 
+
 _LOSSES = 3  # of workers with the same case, which then is given up
 
 
