@@ -46,6 +46,12 @@ def test_a_run_compiles_what_it_needs_and_nothing_else(in_nodes, others, needed,
     assert {unit.name for unit in found} == needed
 
 
+def test_without_ros_nothing_is_compiled_for_nodes(monkeypatch):
+    monkeypatch.setattr(beforehand, "find_spec", lambda _: None)
+    assert beforehand.stepping(in_nodes=True) == []
+    assert [unit.name for unit in beforehand.stepping(in_nodes=False)] == ["loops"]
+
+
 def _unit(folder: Path, name: str, make=None) -> Unit:
     file = folder / name
     return Unit(name, file.exists, make or (lambda: file.write_text(str(os.getpid()))), name)

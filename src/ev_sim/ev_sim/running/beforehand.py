@@ -12,6 +12,7 @@ import threading
 from collections.abc import Callable, Collection, Iterable, Sequence
 from contextlib import suppress
 from functools import partial
+from importlib.util import find_spec
 from multiprocessing.connection import wait
 from typing import Any, NamedTuple
 
@@ -144,7 +145,9 @@ def unit_of_code(code: Code) -> Unit:
 
 
 def stepping(in_nodes: bool) -> list[Unit]:
-    """What steps the methods, in nodes or offline."""
+    """What steps the methods, in nodes or offline; without ROS there are no nodes."""
+    if in_nodes and find_spec("rclpy") is None:
+        return []
     if in_nodes:
         from ev_core.node_loop import steps
         from ev_core.node_loop.ordinary_steps import is_switched_on
