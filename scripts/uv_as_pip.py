@@ -1,6 +1,6 @@
 """What pip is told by its configuration, as variables of uv for bash; a variable that is set stays as it is.
 
-    python -m pip config list | python scripts/uv_as_pip.py
+Standard input is what `pip config list` prints.
 """
 
 import ast

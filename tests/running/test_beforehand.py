@@ -151,7 +151,14 @@ def test_a_run_that_is_stopped_while_it_compiles_ends_at_once_and_the_next_one_g
     cache = tmp_path / "cache"
     words = [RUN, "shchur2019", "--offline", "--no-record", "--no-report", "--out", tmp_path / "out"]
     environment = {**ENVIRONMENT, user_cache.VARIABLE: str(cache)}
-    run = subprocess.Popen(words, env=environment, text=True, stderr=subprocess.PIPE, start_new_session=True)
+    run = subprocess.Popen(
+        words,
+        env=environment,
+        text=True,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # tests may run in the background
+    )
     while not cache.exists() or not [*cache.glob(".*.lock")]:
         assert run.poll() is None
         time.sleep(0.02)
