@@ -7,6 +7,6 @@ RUN useradd --create-home --uid "$UID" driver && install --directory --owner dri
 USER driver
 WORKDIR /ev-stack
 COPY --chown=driver . .
-RUN scripts/setup.sh
+RUN UV_NO_CACHE=1 scripts/setup.sh && scripts/compile.sh
 ENTRYPOINT ["scripts/run.sh"]
 CMD ["--list"]

@@ -13,6 +13,7 @@ if [[ "$root" == *[[:space:]]* ]]; then
 fi
 unset CDPATH # by which `cd` would lead elsewhere
 export LC_ALL=C PIP_DISABLE_PIP_VERSION_CHECK=1
+exec {terminal}>&2 # past the log of a step
 
 # A ROS 2 distribution that is sourced goes before the wheels of requirements.lock.
 distribution=""
@@ -21,7 +22,7 @@ if [[ -n "${ROS_DISTRO:-}" ]] && command -v ros2 >/dev/null; then
 fi
 case "$distribution" in
     foxy | galactic | humble | iron)
-        echo "ROS 2 $distribution is sourced, whose Python is older than 3.11: source jazzy, kilted or rolling, or none," \
+        echo "ROS 2 $distribution is sourced, whose Python is older than 3.11: source jazzy, kilted, lyrical or rolling, or none," \
             "then ROS 2 comes by pip (docs/installing.md)" >&2
         exit 1
         ;;
@@ -73,24 +74,45 @@ check_python() {
     fi
 }
 
+# By pip: uv does not see what the distribution has, and would install all of it anew, setuptools of another kind as well.
 install_beside_distribution() {
-    sed -E 's/[[:space:]]*#.*//; s/(\[|==).*//; /^ros-/d; /^$/d' requirements.txt >.venv/missing.txt
+    sed -E 's/[[:space:]]*#.*//; s/(\[|==).*//; /^ros-/d; /^uv$/d; /^$/d' requirements.txt >.venv/missing.txt
     .venv/bin/python -c 'import numpy; print("numpy==" + numpy.__version__)' >.venv/constraints.txt
-    install_packages --requirement .venv/missing.txt --constraint .venv/constraints.txt
+    pip_install --requirement .venv/missing.txt --constraint .venv/constraints.txt
+}
+
+# uv: the one on the PATH, else the one that the lock names, down to its hash; none where it cannot be had.
+find_uv() {
+    uv="$(type -P uv || true)"
+    [[ -z "$uv" ]] || return 0
+    awk '/^[^ #]/ { named = /^uv==/ } named' requirements.lock >.venv/uv.txt
+    pip_install --no-deps --require-hashes --requirement .venv/uv.txt || return 0
+    uv=.venv/bin/uv
 }
 
 # Python compiles what it imports when it does; pip would compile everything, which takes as long as the rest.
-install_packages() {
-    if command -v uv >/dev/null; then
-        uv pip install --python .venv/bin/python "$@"
-    else
-        .venv/bin/python -m pip install --no-compile "$@"
-    fi
+pip_install() {
+    .venv/bin/python -m pip install --no-compile "$@"
 }
+
+# As pip is told to by its configuration.
+uv_install() (
+    variables="$(.venv/bin/python -m pip config list | .venv/bin/python scripts/uv_as_pip.py)" || return
+    eval "$variables"
+    "$uv" pip install --python .venv/bin/python "$@"
+)
 
 # Exactly the files that the lock names, down to their hashes; it has all that is needed (scripts/lock-overrides.txt).
 install_locked() {
-    install_packages --no-deps --require-hashes --requirement requirements.lock
+    awk '/^[^ #]/ { named = !/^uv==/ } named' requirements.lock >.venv/locked.txt
+    local words=(--no-deps --require-hashes --requirement .venv/locked.txt) trouble="cannot be had"
+    find_uv
+    if [[ -n "$uv" ]]; then
+        uv_install "${words[@]}" && return
+        trouble="fails"
+    fi
+    printf 'uv %s: pip installs, which takes longer ... ' "$trouble" >&"$terminal"
+    pip_install "${words[@]}"
 }
 
 update_environment() {
@@ -114,7 +136,7 @@ make_environment() {
     else
         check_python "$python"
         step "making .venv" "$python" -m venv .venv
-        step "installing ROS 2 and the tools of requirements.lock (once, about a minute)" install_locked
+        step "installing ROS 2 and the tools of requirements.lock (once)" install_locked
     fi
     environment_fingerprint >.venv/.complete
     trap - EXIT
@@ -138,24 +160,12 @@ record_paths() {
     printf '%s\n' "$root"/build/{ev_msgs_py,ev_core,ev_control,ev_sim,ev_papers} >"$packages/ev_stack.pth"
 }
 
-source_fingerprint() {
-    find src -name __pycache__ -prune -o -name '*.py' -print | sort | xargs cat | sha256sum
-}
-
-# A law that cannot be compiled says so when it is run: it must not keep the others from running.
-compile_methods() {
-    # shellcheck disable=SC1091
-    (source install/environment.bash && NUMBA_NUM_THREADS=1 .venv/bin/python -m ev_sim.commands.compile_all) || true
-    source_fingerprint >install/.compiled
-}
-
 build_workspace() {
     rm -f install/.complete
     step "building the workspace" .venv/bin/python -m colcon build --symlink-install --base-paths src
     record_environment
     record_paths
-    [[ "$(cat install/.compiled 2>/dev/null)" == "$(source_fingerprint)" ]] ||
-        step "compiling plants and laws (once)" compile_methods
+    ln -sf "$root/install/ev_sim/lib/ev_sim/ev-stack" .venv/bin/ev-stack
     build_fingerprint >install/.complete
 }
 

@@ -23,4 +23,7 @@ for word in "$@"; do
         on_all_cores=() # a few tests have ended before more processes have started
     fi
 done
+if [[ "${#on_all_cores[@]}" -gt 0 ]]; then
+    scripts/compile.sh # once, and not by the tests side by side
+fi
 exec python -m pytest "${on_all_cores[@]}" "$@"

@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 
 import pytest
 import release
+import yaml
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("ev_control", "ev_core", "ev_msgs_py", "ev_papers", "ev_sim")
@@ -56,16 +57,53 @@ def test_a_release_moves_all_versions_and_gives_its_notes(tmp_path, capsys):
     assert "47.11.0; notes" in capsys.readouterr().out
 
 
-def test_pixi_brings_every_message_package_that_the_packages_name():
+@pytest.mark.parametrize("distribution", ["jazzy", "lyrical", "kilted"])
+def test_pixi_brings_every_message_package_that_the_packages_name(distribution):
     said = tomllib.loads((ROOT / "pixi.toml").read_text())
-    assert said["workspace"]["channels"][0] == "robostack-kilted"
-    names = {name.removeprefix("ros-kilted-").replace("-", "_") for name in said["dependencies"]}
+    feature = said["feature"][distribution]
+    assert feature["channels"] == [f"robostack-{distribution}"]
+    assert [distribution] in said["environments"].values()
+    begin = f"ros-{distribution}-"
+    names = {name.removeprefix(begin).replace("-", "_") for name in feature["dependencies"]}
+    assert all(name.startswith(begin) for name in feature["dependencies"])
     needed = set()
     for package in PACKAGES:
         tree = ElementTree.parse(ROOT / "src" / package / "package.xml")
         needed |= {found.text for found in tree.iter("exec_depend") if not found.text.startswith("python3-")}
     assert needed - set(PACKAGES) <= names
     assert all((ROOT / task.split()[0]).exists() for task in said["tasks"].values())
+
+
+def test_the_workflow_tries_every_distribution_that_installing_names():
+    """Each by the digest of its image."""
+    tried = re.findall(
+        r"- distribution: (\w+)\n +digest: sha256:[0-9a-f]{64}\n", (ROOT / ".github/workflows/ci.yml").read_text()
+    )
+    table = (ROOT / "docs" / "installing.md").read_text()
+    named = {name.lower() for name in re.findall(r"^\| (\w+) \|[^|]*\| workflow \|", table, re.MULTILINE)}
+    assert {*tried} == named
+
+
+def test_hooks_before_a_commit_are_what_the_environment_has():
+    """Pinned with it, so that a hook and the suite do not disagree."""
+    said = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())
+    hooks = [hook for repository in said["repos"] for hook in repository["hooks"]]
+    programs = {hook["entry"].split()[0].removeprefix(".venv/bin/") for hook in hooks}
+    assert programs == {"ruff", "lint-imports", "mypy"}
+    assert all((Path(sys.executable).parent / program).exists() for program in programs)
+    assert {hook["language"] for hook in hooks} == {"system"}
+
+
+@pytest.mark.parametrize("form", sorted(ROOT.glob(".github/ISSUE_TEMPLATE/w*.yml")), ids=lambda form: form.stem)
+def test_a_form_for_issues_has_what_github_needs(form: Path):
+    said = yaml.safe_load(form.read_text())
+    assert said["name"] and said["description"]
+    assert any(field.get("validations", {}).get("required") for field in said["body"])
+    assert all(field["type"] in ("input", "textarea") and field["attributes"]["label"] for field in said["body"])
+
+
+def test_the_readme_is_short():
+    assert (ROOT / "README.md").read_text().count("\n") <= 200
 
 
 def test_requirements_are_pinned():
@@ -97,7 +135,7 @@ def test_a_distribution_with_an_older_python_is_refused_before_anything_is_made(
     environment = {**os.environ, "ROS_DISTRO": distribution, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
     done = subprocess.run([ROOT / "scripts/prepare.sh"], env=environment, capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
-    assert distribution in done.stderr and "jazzy, kilted or rolling" in done.stderr
+    assert distribution in done.stderr and "jazzy, kilted, lyrical or rolling" in done.stderr
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.name)

@@ -6,19 +6,19 @@ import inspect
 import os
 import subprocess
 import sys
-from types import SimpleNamespace
+from itertools import chain
 
 import pytest
 
 from ev_core.compiled.part import CompiledPart
 from ev_core.compiling import machine_code
+from ev_core.lockstep import parts
 from ev_core.lockstep.configuration import configure
-from ev_core.lockstep.parts import part_of
-from ev_core.methods.law import Given
+from ev_core.lockstep.parts import is_compiled, part_of
 from ev_core.methods.register import all_methods
-from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.frame import Frame
-from ev_sim.commands import compile_all
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.commands import compiling
 
 # The longest law, and one that calls the compiler's own helpers (logarithms).
 LAWS = (("asr", "fuzzy"), ("asr", "pi_slip"))
@@ -72,17 +72,36 @@ def test_only_the_newest_texts_of_a_name_are_kept(tmp_path, monkeypatch):
     assert len(list(tmp_path.glob("off_asr_*"))) == 10 * 2
 
 
-def test_the_set_up_goes_on_when_a_law_cannot_be_compiled(monkeypatch):
-    """It says so in one line, with role and name."""
-    assert compile_all._compile(("asr", "off")) == ""
-    broken = SimpleNamespace(parameters=lambda: 1 / 0)
-    monkeypatch.setattr(compile_all, "find_method", lambda role, name: broken)
-    assert compile_all._compile(("asr", "broken")) == "asr broken: ZeroDivisionError: division by zero"
-
-
-def test_the_set_up_can_prepare_every_law():
-    """With the vehicle and the period that it takes; what it leaves out would be compiled by the first run."""
+def test_all_methods_can_be_compiled_beforehand():
+    """With the vehicle and the period that the command takes; what it leaves out would be compiled by the first run."""
     laws = [method for of_role in all_methods().values() for method in of_role.values() if method.law]
-    assert {job for jobs in compile_all._sharing(laws) for job in jobs} == {(law.role, law.name) for law in laws}
-    for method in laws:
-        Given(method.law, method.parameters(), Vehicle(), compile_all._PERIOD)
+    assert {id(method) for method in chain.from_iterable(compiling.sharing(laws))} == {*map(id, laws)}
+    assert all(compiling._by_default(method) is not None for method in laws)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("asr=nix", "unknown asr method 'nix'"),
+        ("engine=off", "unknown node 'engine'; known: asr"),
+        ("nowhere", "unknown scenario 'nowhere'"),
+    ],
+)
+def test_what_cannot_be_compiled_is_one_line(name, said, capsys):
+    with pytest.raises(SystemExit, match=f"^error: {said}"):
+        compiling.main([name])
+    assert capsys.readouterr().err == ""
+
+
+def test_a_node_compiles_what_it_plays_but_not_while_real_time_waits(monkeypatch):
+    """A law that is switched to in the middle of a run runs in plain Python, or is refused if it is too heavy."""
+    made = []
+    monkeypatch.setattr(parts, "is_kept", lambda _: False)
+    monkeypatch.setattr(parts, "method_part", lambda configuration, compiled: made.append(configuration.method.name))
+    law, plant = configure("asr", {"method": "off"}), configure("plant", {"method": "kinematic"})
+    assert is_compiled(law) and is_compiled(plant)
+    assert made == ["off", "kinematic"]
+    assert not is_compiled(law, may_wait=False)
+    with pytest.raises(ParameterError, match=r"^plant=kinematic is not compiled.*: ev-stack compile plant=kinematic$"):
+        is_compiled(plant, may_wait=False)
+    assert made == ["off", "kinematic"]

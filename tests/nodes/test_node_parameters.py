@@ -139,7 +139,7 @@ def test_a_bad_value_is_refused_with_a_reason_and_nothing_changes(law, values, n
 
 
 def test_a_change_of_which_the_law_makes_an_error_of_any_kind_is_refused(law, monkeypatch):
-    def fail(configuration):
+    def fail(configuration, may_wait):
         raise ZeroDivisionError("float division by zero")
 
     monkeypatch.setattr(law, "new_part", fail)

@@ -9,7 +9,13 @@ from typing import Any
 import numpy as np
 from numba import njit, types
 
-from ev_core.compiling.machine_code import OPTIONS, call, compiled_function, keep_overloads
+from ev_core.compiling.machine_code import (
+    OPTIONS,
+    call,
+    compiled_function,
+    is_any_overload_kept,
+    keep_overloads,
+)
 from ev_core.parameters.record import numbers, record_type
 from ev_msgs_py.contract.frame import SIZE, TIME
 
@@ -94,6 +100,11 @@ def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answer
             stopped[0] = n if stopped[2] == here else n + 1
             return status
     return FINISHED
+
+
+def are_kept() -> bool:
+    """Whether the compiled form of the loops is on disk."""
+    return all(map(is_any_overload_kept, (call_part, run_instants, run_through)))
 
 
 def compile_loops() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import numpy as np
 from ev_core.compiled.part_source import constants_row, law_of, part_source
 from ev_core.compiling import machine_code
 from ev_core.compiling.fingerprint import Reach
-from ev_core.compiling.machine_code import FUNCTION, function_address
+from ev_core.compiling.machine_code import FUNCTION, Code, function_address
 from ev_core.faults import row
 from ev_core.faults.row import FaultRow
 from ev_core.methods.law import Given
@@ -26,10 +27,15 @@ from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.refusal import ParameterError
 
 
+def code_key(method: Method, parameters: Any, vehicle: Any, period: float) -> str:
+    """The name under which the machine code of a method is kept."""
+    given = Given(law_of(method), parameters, vehicle, period)
+    return machine_code.key_of(_name(method), *part_source(method, given))
+
+
 def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
     """Whether the machine code of a method is on disk, so that nobody has to wait for the compiler."""
-    given = Given(law_of(method), parameters, vehicle, period)
-    return machine_code.is_kept(_name(method), *part_source(method, given))
+    return machine_code.kept_code(code_key(method, parameters, vehicle, period)) is not None
 
 
 def _name(method: Method) -> str:
@@ -121,18 +127,21 @@ def step(now, next, state, constants):
 '''
 
 
-_CHANGES = {
-    SensorRow: ("sensors", measuring.SENSORS_HEAD, measuring.measure),
-    FaultRow: ("faults", row.FAULTS_HEAD, row.strike),
+def _code(name: str, head: int, change: Callable[..., None]) -> Code:
+    return Code(name, _TEXT.format(head=head, size=frame.SIZE), {"FLOAT": np.float64, "change": change})
+
+
+# The one function of all sensors, and that of all faults of signals, by what makes their rows.
+ROW_CODE: dict[type, Code] = {
+    SensorRow: _code("sensors", measuring.SENSORS_HEAD, measuring.measure),
+    FaultRow: _code("faults", row.FAULTS_HEAD, row.strike),
 }
 
 
 @cache
 def row_function(kind: type) -> int:
-    """The address of the one function of all sensors, or of all faults of signals, by what makes their rows."""
-    name, head, change = _CHANGES[kind]
-    text = _TEXT.format(head=head, size=frame.SIZE)
-    return function_address(name, text, {"FLOAT": np.float64, "change": change})
+    """The address of the function of all rows of a kind."""
+    return ROW_CODE[kind].address()
 
 
 class RowPart:

@@ -11,6 +11,7 @@ import hashlib
 import os
 import sys
 from collections.abc import Iterator, Mapping
+from functools import partial
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -155,4 +156,6 @@ def _constant(value: Any) -> str:
         return value.__name__
     if isinstance(value, type):
         return f"{value.__qualname__}{getattr(value, '_fields', '')}{dict(getattr(value, '__members__', {}))}"
+    if isinstance(value, partial):  # which numba does not call: it is there by its name only, and shows an address
+        return f"partial {getattr(value.func, '__qualname__', type(value.func))}"
     return repr(value)

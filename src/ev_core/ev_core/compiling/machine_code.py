@@ -11,16 +11,17 @@ import hashlib
 import linecache
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from ev_core.compiling import inside_numba
 from ev_core.compiling.fingerprint import Reach
-from ev_core.compiling.user_cache import cache_folder, read_checked, write_checked
+from ev_core.compiling.user_cache import alone, cache_folder, read_checked, write_checked
 from ev_msgs_py.compilable import FUNCTIONS, INLINED
 
 FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 4)
@@ -43,6 +44,7 @@ _reached = Reach()
 _functions: dict[str, Any] = {}
 _reaches: dict[Any, Reach] = {}
 _addresses: dict[str, int] = {}
+_is_told = True  # that something is compiled, in a line for each
 
 
 def call(address: int, first: int, second: int, third: int, fourth: int) -> int:
@@ -59,17 +61,22 @@ def function_address(
 ) -> int:
     """The address of the C function `step` of a text that uses these names: loaded from disk, or compiled first.
 
-    Before it is compiled, `look_at` may refuse what the text reaches.
+    Before it is compiled, `look_at` may refuse what the text reaches. Who finds another process compiling it waits.
     """
     key = key_of(name, text, names)
     if key not in _addresses:
-        kept = kept_code(key)
-        address = inside_numba.loaded(*kept) if kept else 0
+        address = _loaded(key)
         if not address:
             look_at(reach_of(text, names))
-            address = compiled_address(key, text, names)
+            with alone(key):
+                address = _loaded(key) or compiled_address(key, text, names)
         _addresses[key] = address
     return _addresses[key]
+
+
+def _loaded(key: str) -> int:
+    kept = kept_code(key)
+    return inside_numba.loaded(*kept) if kept else 0
 
 
 def reach_of(text: str, names: dict[str, Any]) -> Reach:
@@ -118,9 +125,31 @@ def kept_code(key: str) -> tuple[str, bytes] | None:
     return symbol.decode(), code
 
 
-def is_kept(name: str, text: str, names: dict[str, Any]) -> bool:
-    """Whether the machine code of a text is on disk, so that nobody has to wait for the compiler."""
-    return kept_code(key_of(name, text, names)) is not None
+def can_be_kept() -> bool:
+    """Whether machine code is kept at all (EV_STACK_PLAIN_NUMBA)."""
+    return "object_code" not in inside_numba.switched_off()
+
+
+class Code(NamedTuple):
+    """A text whose function `step` is one of C, with its name and the names that it uses."""
+
+    name: str
+    text: str
+    names: dict[str, Any]
+
+    def is_kept(self) -> bool:
+        """Whether its machine code is on disk, so that nobody has to wait for the compiler."""
+        return kept_code(key_of(*self)) is not None
+
+    def address(self) -> int:
+        """The address of the function, which is compiled where it is not kept."""
+        return function_address(*self)
+
+
+def is_any_overload_kept(function: Any) -> bool:
+    """Whether something that numba has made of a function with `keep_overloads` is on disk."""
+    key = key_of(function.__name__, "", {"function": function})
+    return any(cache_folder().glob(f"{key}.{_machine()}.*.numba"))
 
 
 def forget_older(key: str) -> None:
@@ -245,6 +274,18 @@ def _executed(key: str, text: str, names: dict[str, Any]) -> Any:
     return vars(module)["step"]
 
 
+@contextmanager
+def counted_by_others() -> Iterator[None]:
+    """In the block no line says what is compiled: who has asked for it counts."""
+    global _is_told
+    before, _is_told = _is_told, False
+    try:
+        yield
+    finally:
+        _is_told = before
+
+
 def _say_compiling(key: str) -> None:
-    name = key.rpartition("_")[0].replace("_", " ")
-    print(f"compiling {name} ... (once)", file=sys.stderr, flush=True)
+    if _is_told:
+        name = key.rpartition("_")[0].replace("_", " ")
+        print(f"compiling {name} ... (once)", file=sys.stderr, flush=True)

@@ -7,6 +7,7 @@ changed is made anew, never loaded.
 from __future__ import annotations
 
 import atexit
+import fcntl
 import hashlib
 import os
 import secrets
@@ -14,6 +15,8 @@ import shutil
 import stat
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
@@ -108,3 +111,24 @@ def read_checked(file: Path) -> bytes | None:
 
 def _checksum(content: bytes) -> bytes:
     return f"{hashlib.sha256(content).hexdigest()}\n".encode()
+
+
+@contextmanager
+def alone(key: str) -> Iterator[None]:
+    """The block is entered by one process of this user at a time; who ends within it, however it does, lets others in.
+
+    Where the file system has no locks, or the folder is full, several make the same thing, which is slower.
+    """
+    file = cache_folder() / f".{key}.lock"
+    try:
+        descriptor = os.open(file, os.O_CREAT | os.O_RDWR, 0o600)
+    except OSError:
+        yield
+        return
+    try:
+        with suppress(OSError):
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        file.unlink(missing_ok=True)  # who waits for it looks for what was made; who comes later does so, too
+        os.close(descriptor)

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import copy
 import ctypes
-import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
-from ev_core.compiling.machine_code import FUNCTION
+from ev_core.compiling.machine_code import FUNCTION, can_be_kept
 from ev_core.faults.fault import Fault
 from ev_core.faults.row import FaultRow, of_signals
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.part import CalledBack, Part, PythonPart
 from ev_core.sensors.row import SensorRow
 from ev_msgs_py.contract.frame import TIME, Frame
+from ev_msgs_py.refusal import ParameterError
 
 
 class Restart:
@@ -134,19 +135,38 @@ def _restart(configuration: Configuration, part: Part) -> Restart | None:
     return Restart(part, faults, configuration.common.control_period) if faults else None
 
 
-def is_compiled(configuration: Configuration) -> bool:
-    """Whether compiled code costs no time at the start: it is on disk, or the compiler is loaded already.
-
-    The node of a light law does without the compiler: loading it takes longer than it would save.
-    """
+def is_kept(configuration: Configuration) -> bool:
+    """Whether the method is on disk as machine code."""
     method, common = configuration.method, configuration.common
     if method.law is None or not method.law.is_compilable:
         return False
-    if "numba" in sys.modules:
-        return True
-    from ev_core.compiled.part import is_kept
+    from ev_core.compiled import part
 
-    return is_kept(method, configuration.told, common.vehicle, common.control_period)
+    return part.is_kept(method, configuration.told, common.vehicle, common.control_period)
+
+
+def is_compiled(configuration: Configuration, may_wait: bool = True) -> bool:
+    """Whether a node runs a method compiled; where that `may_wait`, it is compiled now, once for all.
+
+    In plain Python, with the same bits, run what cannot be compiled, and a light law that nobody can wait for.
+    ParameterError if a law that is too heavy for plain Python would have to be waited for.
+    """
+    law = configuration.method.law
+    if law is None or not law.is_compilable:
+        return False
+    if is_kept(configuration):
+        return True
+    if not may_wait:
+        if law.heavy:
+            name = f"{configuration.role}={configuration.method.name}"
+            raise ParameterError(f"{name} is not compiled, for which real time cannot wait: ev-stack compile {name}")
+        return False
+    if not can_be_kept():
+        return False
+    with suppress(ParameterError):  # plain Python says what is wrong with it, when it gets there
+        method_part(configuration, compiled=True)
+        return True
+    return False
 
 
 def compiled_parts(configuration: Configuration) -> list[Any]:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.compiling.machine_code import function_address
+from ev_core.compiling.machine_code import Code
 from ev_core.lockstep.inbox import ANSWER, LAST, ROWS, Inbox, Steps, row_of, row_of_answer
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.frame import PLACES, SIZE
@@ -99,16 +99,20 @@ _FUNCTION = ctypes.PYFUNCTYPE(ctypes.c_int32, _P, _N, _P, _P)
 _NEWEST_FUNCTION = ctypes.PYFUNCTYPE(ctypes.c_int32, _P, _P, _P)
 
 
+ANY_STEP = Code("tally", _TEXT, {"add_up_step": add_up_step})
+NEWEST_STEP = Code("newest_tally", _NEWEST, {"add_up_newest": add_up_newest, "Steps": Steps})
+
+
 @cache
 def address() -> int:
     """Of the function that adds any step, as one of C."""
-    return function_address("tally", _TEXT, {"add_up_step": add_up_step})
+    return ANY_STEP.address()
 
 
 @cache
 def newest_address() -> int:
     """Of the function that adds the newest step of an inbox, as one of C."""
-    return function_address("newest_tally", _NEWEST, {"add_up_newest": add_up_newest, "Steps": Steps})
+    return NEWEST_STEP.address()
 
 
 class Tally:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
-from ev_core.lockstep import tally
+from ev_core.compiling.machine_code import can_be_kept
 from ev_core.node_loop import steps
 from ev_core.node_loop.steps import FAILED, GID, INPUT, LOOP, NOT_FINITE, ODD, OUTPUT, RUN
 from ev_msgs_py.contract import frame
@@ -41,11 +41,9 @@ def can_be_taken() -> bool:
 
 
 def keep_code() -> None:
-    """See to it that the machine code is on disk: nodes go without it rather than wait, at half the speed."""
-    if is_switched_on() and not steps.is_kept():
+    """See to it that the machine code is on disk: without it nodes take their steps at half the speed."""
+    if is_switched_on() and can_be_kept() and not steps.is_kept():
         steps.address()
-    tally.address()
-    tally.newest_address()
 
 
 class End(NamedTuple):

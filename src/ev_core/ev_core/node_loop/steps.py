@@ -14,8 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ev_core.compiling import machine_code
-from ev_core.compiling.machine_code import call
+from ev_core.compiling.machine_code import Code, call
 from ev_core.lockstep.inbox import LAST, NEW, ROWS, Steps, judged, keep, missing, note_answer, row_of, row_of_answer
 from ev_core.lockstep.tally import BLOCK, add_up_step
 from ev_msgs_py.compilable import compilable
@@ -275,15 +274,15 @@ def step(head, steps, inputs, outputs, runs, senders, frames, block, tally):
     )
 '''
 _RECORDS = {"LOOP": LOOP, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN}
-_NAMES = {**_RECORDS, "Memory": Memory, "Steps": Steps, "take_steps": take_steps}
+_CODE = Code("node_steps", _TEXT, {**_RECORDS, "Memory": Memory, "Steps": Steps, "take_steps": take_steps})
 
 
 def is_kept() -> bool:
     """Whether the machine code is on disk, so that nobody has to wait for the compiler."""
-    return machine_code.is_kept("node_steps", _TEXT, _NAMES)
+    return _CODE.is_kept()
 
 
 @cache
 def address() -> int:
     """Of the loop as a C function."""
-    return machine_code.function_address("node_steps", _TEXT, _NAMES)
+    return _CODE.address()

@@ -164,7 +164,7 @@ class RoleOnBus(WithBus, SteppedNode):
         """The channels of its bus; BusError, ValueError or OSError if they cannot be had."""
         raise NotImplementedError
 
-    def new_part(self, configuration: Configuration) -> Part:
+    def new_part(self, configuration: Configuration, may_wait: bool = True) -> Part:
         """What plays the role, behind its sensors."""
         return behind_sensors(configuration, PythonPart(configuration.method, self.played_by(configuration)))
 

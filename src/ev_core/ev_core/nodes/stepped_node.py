@@ -20,7 +20,7 @@ from ev_core.lockstep.parts import hand_over, is_compiled, part_of
 from ev_core.lockstep.stepper import WRITERS, Answer, Stepper, arrival_place
 from ev_core.methods.part import Part
 from ev_core.methods.register import CommonParameters
-from ev_core.node_loop.ordinary_steps import End, OrdinarySteps, can_be_taken
+from ev_core.node_loop.ordinary_steps import End, OrdinarySteps, can_be_taken, keep_code
 from ev_core.nodes import ros_parameters
 from ev_core.nodes.reception import Reception
 from ev_core.nodes.reports import Health, Reports
@@ -53,6 +53,8 @@ class SteppedNode(Spinnable, Node):
         self.polling_place = _POLLING_ORDER.index(role)
         self.reports = Reports(self, role)
         ros_parameters.follow(self, configuration.entries(), self._take_over)
+        if not self.realtime:
+            keep_code()
         self.stepper = Stepper(
             configuration.method,
             lambda: self.new_part(self.configuration),
@@ -87,9 +89,9 @@ class SteppedNode(Spinnable, Node):
         """Whether the wall clock drives the graph, so that steps may be skipped."""
         return self.configuration.common.mode == "realtime"
 
-    def new_part(self, configuration: Configuration) -> Part:
-        """What plays the role, at rest; ValueError if it cannot."""
-        return part_of(configuration, compiled=is_compiled(configuration))
+    def new_part(self, configuration: Configuration, may_wait: bool = True) -> Part:
+        """What plays the role, at rest, compiled first where that `may_wait`; ValueError if it cannot."""
+        return part_of(configuration, compiled=is_compiled(configuration, may_wait))
 
     def also_reads(self, reads: tuple[type, ...]) -> tuple[type, ...]:
         """The signals to subscribe to, by default those that the method reads."""
@@ -107,7 +109,7 @@ class SteppedNode(Spinnable, Node):
 
     def successor(self, configuration: Configuration) -> Part:
         """What goes on with other parameters; the state lasts, of one that has published: before that there is none."""
-        part = self.new_part(configuration)
+        part = self.new_part(configuration, may_wait=not self.realtime)
         if self.stepper.answer is not None:
             hand_over(self.stepper.part, part)
         return part

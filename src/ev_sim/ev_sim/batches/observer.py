@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ev_core.compiling.machine_code import function_address
+from ev_core.compiling.machine_code import Code
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import frame
 
@@ -91,10 +91,13 @@ def step(now, next, state, constants):
 '''
 
 
+OBSERVER = Code("observer", _TEXT, {"FLOAT": np.float64, "observe": observe})
+
+
 @cache
 def function() -> int:
     """The address of the compiled observer."""
-    return function_address("observer", _TEXT, {"FLOAT": np.float64, "observe": observe})
+    return OBSERVER.address()
 
 
 class Observation:

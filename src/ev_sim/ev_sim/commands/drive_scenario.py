@@ -18,6 +18,7 @@ from ev_sim.recording.outcome import Outcome, RunFailed, progress_bar
 from ev_sim.recording.recording import OF_ALL_RUNS
 from ev_sim.report.result import Result
 from ev_sim.report.tables import in_words, print_metrics
+from ev_sim.running.beforehand import compile_for
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.about import is_path
 from ev_sim.scenarios.scenario import Run, load_scenario, scenario_names
@@ -37,6 +38,7 @@ def drive_scenario(given: argparse.Namespace) -> None:
     way = "offline" if given.offline else "in-process" if given.in_process else "processes"
     commands = {role: " ".join(words) for role, words in own_nodes(given).items()}
     mode = f"{way}, realtime" if given.realtime else way
+    compile_for(scenario.runs, not given.offline, own_nodes(given))
     with OutputFolder(out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs) as folder:
         outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
         result = Result(scenario, outcomes, mode, commands, given.command)

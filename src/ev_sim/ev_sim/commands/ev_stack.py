@@ -38,6 +38,7 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
         "tf, odometry and markers of tyre forces beside a run, for RViz and Foxglove",
     ),
     "dashboard": ("dashboard.main", "a local page: live signals, the car from above, parameters, time"),
+    "compile": ("compiling.main", "compile all methods, or those of scenarios, so that no run has to wait"),
     "header": ("exports.print_header", "ev_laws.h, the interface of laws in C and C++"),
     "inspect": ("live_graph.inspect", "show the running graph: nodes, topics, rates"),
 }

@@ -27,6 +27,7 @@ from ev_sim.replay.graph import Replay, Replayed, prepared, replay_folder, repla
 from ev_sim.replay.recorded import find_recorded
 from ev_sim.report.page.writing import Page, Signals, write_page
 from ev_sim.report.tables import WIDTH_OF_A_PIPE
+from ev_sim.running.beforehand import compile_for
 from ev_sim.running.offline import run_offline_into
 from ev_sim.running.output_folder import OutputFolder, stays_within
 from ev_sim.scenarios.scenario import Run
@@ -156,6 +157,7 @@ def _meant(role: str, text: str) -> tuple[str, list[str]]:
 
 
 def _play(replay: Replay, run: Run, folder: Path, command: list[str]) -> Outcome:
+    compile_for([run], bool(command), [replay.role] if command else ())
     with progress_bar(f"replay of {replay.role}", run.duration) as progress:
         if not command:
             return run_offline_into(run, folder, False, progress)

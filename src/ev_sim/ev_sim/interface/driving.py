@@ -12,6 +12,7 @@ from ev_sim.batches.batch import BatchResult
 from ev_sim.batches.batch import batch as batch_of
 from ev_sim.batches.observer import Reduction
 from ev_sim.report.result import Result
+from ev_sim.running.beforehand import compile_for
 from ev_sim.running.offline import drive_offline
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
@@ -33,6 +34,7 @@ def run(scenario: str | PathLike[str], runs: Sequence[str] = (), **changed: Any)
     ParameterError, in one line, if something is refused; SignalError if a number is not finite.
     """
     loaded = load_scenario(fspath(scenario), overrides(**changed), only=runs)
+    compile_for(loaded.runs, in_nodes=False)
     return Result(loaded, {each.name: drive_offline(each) for each in loaded.runs})
 
 

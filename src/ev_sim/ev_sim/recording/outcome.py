@@ -75,6 +75,16 @@ def progress_bar(name: str, duration: float) -> Iterator[Progress]:
         bar.refresh()
 
 
+_COUNTING = "compiling (once) {n} of {total} |{bar:30}| {elapsed}<{remaining}"
+
+
+def bar_of_code(total: int) -> tqdm:
+    """A bar on standard error that counts what is compiled."""
+    tqdm.monitor_interval = 0  # else it starts a thread, and workers are forked off this process
+    ascii = not sys.stderr.isatty()
+    return tqdm(total=total, bar_format=_COUNTING, ascii=ascii, mininterval=0.0 if sys.stderr.isatty() else 5.0)
+
+
 def bar_of_runs(name: str, total: int, before: int = 0) -> tqdm:
     """A bar on standard error that counts runs; so many were driven before."""
     tqdm.monitor_interval = 0  # else it starts a thread, and workers are forked off this process

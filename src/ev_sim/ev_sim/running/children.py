@@ -7,7 +7,10 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from typing import Any
 
 _SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux
 
@@ -60,3 +63,67 @@ def same_addresses() -> Iterator[None]:
         yield
     finally:
         personality(ctypes.c_ulong(before))
+
+
+class WorkerLost(Exception):
+    """The process has ended without an answer: killed, or out of memory."""
+
+
+class Worker:
+    """A process, forked off this one, that calls `perform` with one number after the other."""
+
+    def __init__(self, perform: Callable[[int], Any]) -> None:
+        self.number = -1  # that it is called with
+        fork = get_context("fork")
+        self._connection, its_end = fork.Pipe()
+        ends = (its_end, self._connection)
+        self._process = fork.Process(target=_serve, args=(*ends, perform, ends_with_us()), daemon=True)
+        self._process.start()
+        its_end.close()  # so that the pipe ends with the process
+
+    def fileno(self) -> int:
+        """What `multiprocessing.connection.wait` waits for: the result, or the end of the process."""
+        return self._connection.fileno()
+
+    def begin(self, number: int) -> None:
+        """Let it call `perform` with a number."""
+        self.number = number
+        with suppress(OSError):  # a process that has ended is noticed when its result is asked for
+            self._connection.send(number)
+
+    def result(self) -> Any:
+        """What came of it; raises WorkerLost, and what `perform` has raised."""
+        try:
+            answer = self._connection.recv()
+        except (EOFError, OSError):
+            raise WorkerLost from None
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def end(self) -> None:
+        """End the process, whatever it is doing."""
+        self._process.kill()
+        self._process.join()
+        self._connection.close()
+
+
+def _serve(
+    connection: Connection, parents: Connection, perform: Callable[[int], Any], bind: Callable[[], None] | None
+) -> None:
+    """Answer until the parent ends, however it does: what it holds, the lock of its folder too, is held here as well.
+
+    Without signals of death the pipe shows its end: the own end of the parent is closed here.
+    """
+    if bind is not None:
+        bind()
+    parents.close()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent as well, which ends its workers
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    with suppress(EOFError, ConnectionError):  # the parent has ended
+        while True:
+            number = connection.recv()
+            try:
+                connection.send(perform(number))
+            except Exception as error:  # the parent raises it
+                connection.send(error)

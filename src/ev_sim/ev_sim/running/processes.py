@@ -13,7 +13,6 @@ from typing import Any
 import rclpy
 from rclpy.parameter import Parameter
 
-from ev_core.node_loop import ordinary_steps
 from ev_core.nodes.runner_line import RUNNER_LINE
 from ev_core.nodes.spinning import spin
 from ev_core.nodes.stepped_node import SteppedNode
@@ -210,7 +209,6 @@ def run_in_processes(
     came. All nodes are stopped then.
     """
     refuse_unready()
-    ordinary_steps.keep_code()  # updated sources do not mean a new set-up
     with own_place(run, directory, bag) as place:
         while True:
             beginning = Beginning(patient=bool(own_nodes))

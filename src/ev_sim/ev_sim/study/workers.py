@@ -8,17 +8,16 @@ from __future__ import annotations
 
 import logging
 import os
-import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from multiprocessing import get_context
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import wait
 from typing import TYPE_CHECKING
 
 from ev_sim.recording.offline import load_compiled
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.summary import versions
-from ev_sim.running.children import ends_with_us
+from ev_sim.running.beforehand import compile_for
+from ev_sim.running.children import Worker, WorkerLost
 from ev_sim.study.kept_rows import digest_of_sources
 from ev_sim.study.study import Case, CaseResult, Measure, drive_case, run_of
 
@@ -73,70 +72,6 @@ def refuse_others(client: Client) -> None:
             raise RunFailed(f"worker {worker} has other sources or config files, allowed are those of here")
 
 
-_FORK = get_context("fork")
-
-
-class WorkerLost(Exception):
-    """The process has ended without an answer: killed, or out of memory."""
-
-
-class Worker:
-    """A process that drives one case after the other."""
-
-    def __init__(self, jobs: Sequence[Job]) -> None:
-        self.number = -1  # of the case that it drives
-        self._connection, its_end = _FORK.Pipe()
-        ends = (its_end, self._connection)
-        self._process = _FORK.Process(target=_serve, args=(*ends, jobs, ends_with_us()), daemon=True)
-        self._process.start()
-        its_end.close()  # so that the pipe ends with the process
-
-    def fileno(self) -> int:
-        """What `multiprocessing.connection.wait` waits for: the result, or the end of the process."""
-        return self._connection.fileno()
-
-    def begin(self, number: int) -> None:
-        """Let it drive a case."""
-        self.number = number
-        with suppress(OSError):  # a process that has ended is noticed when its result is asked for
-            self._connection.send(number)
-
-    def result(self) -> CaseResult:
-        """That of its case; raises WorkerLost, and what `measure` has raised."""
-        try:
-            answer = self._connection.recv()
-        except (EOFError, OSError):
-            raise WorkerLost from None
-        if isinstance(answer, Exception):
-            raise answer
-        return answer
-
-    def end(self) -> None:
-        """End the process, whatever it is doing."""
-        self._process.kill()
-        self._process.join()
-        self._connection.close()
-
-
-def _serve(connection: Connection, parents: Connection, jobs: Sequence[Job], bind: Callable[[], None] | None) -> None:
-    """Answer until the parent ends, however it does: what it holds, the lock of its folder too, is held here as well.
-
-    Without signals of death the pipe shows its end: the own end of the parent is closed here.
-    """
-    if bind is not None:
-        bind()
-    parents.close()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent as well, which ends its workers
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    with suppress(EOFError, ConnectionError):  # the parent has ended
-        while True:
-            number = connection.recv()
-            try:
-                connection.send(drive_case(*jobs[number]))
-            except Exception as error:  # the parent raises it
-                connection.send(error)
-
-
 _LOSSES = 3  # of workers with the same case, which then is given up
 
 
@@ -161,9 +96,7 @@ def drive_cases(
 
 
 def _drive_here(jobs: Sequence[Job], progress: Progress, count: int) -> list[CaseResult]:
-    for case, _ in jobs[:1]:
-        with suppress(ValueError):  # a case that is refused comes back as refused when it is driven
-            load_compiled(run_of(case).configurations)  # once, for all workers that are forked then
+    _load([case for case, _ in jobs])
     results: dict[int, CaseResult] = {}
     waiting = list(reversed(range(len(jobs))))
     losses = [0] * len(jobs)
@@ -171,7 +104,7 @@ def _drive_here(jobs: Sequence[Job], progress: Progress, count: int) -> list[Cas
     try:
         while waiting or busy:
             while waiting and len(busy) < count:
-                busy.append(Worker(jobs))
+                busy.append(Worker(lambda number: drive_case(*jobs[number])))
                 busy[-1].begin(waiting.pop())
             for worker in wait(busy):
                 number = worker.number
@@ -193,3 +126,20 @@ def _drive_here(jobs: Sequence[Job], progress: Progress, count: int) -> list[Cas
         for worker in busy:
             worker.end()
     return [results[number] for number in range(len(jobs))]
+
+
+def _load(cases: Sequence[Case]) -> None:
+    """Compile what the cases need, and load what driving them needs once, for all workers that are forked then."""
+    alike = {(case.scenario, case.run, case.vehicle, case.files, _methods(case)): case for case in cases}
+    runs = []
+    for case in alike.values():
+        with suppress(ValueError):  # a case that is refused comes back as refused when it is driven
+            runs.append(run_of(case))
+    compile_for(runs, in_nodes=False)
+    for run in runs[:1]:
+        with suppress(ValueError):
+            load_compiled(run.configurations)
+
+
+def _methods(case: Case) -> tuple[str, ...]:
+    return tuple(f"{node} {value}" for node, name, value in case.values if name == "method")

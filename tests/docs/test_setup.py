@@ -1,0 +1,237 @@
+"""scripts/setup.sh on a bare machine, in a checkout with small packages: by uv, by pip, interrupted, side by side."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import zipfile
+from pathlib import Path
+
+import pytest
+import uv_as_pip
+
+ROOT = Path(__file__).parents[2]
+
+# Does what the real one is asked for, by pip, and tells what it was given.
+UV = """
+import os, subprocess, sys
+def main():
+    with open(os.environ["TOLD"], "a") as told:
+        print(*sys.argv[1:], os.environ.get("UV_FIND_LINKS"), file=told)
+    python, words = sys.argv[4], sys.argv[5:]
+    sys.exit(os.environ.get("UV_FAILS") or subprocess.call([python, "-m", "pip", "install", "--no-compile", *words]))
+"""
+COLCON = """
+import os, pathlib, time
+pathlib.Path("building").touch()
+time.sleep(float(os.environ.get("BUILD_TIME", "0")))
+folder = pathlib.Path("install/ev_sim/lib/ev_sim")
+folder.mkdir(parents=True, exist_ok=True)
+(folder / "ev-stack").write_text("#!/bin/sh\\necho the command\\n")
+(folder / "ev-stack").chmod(0o755)
+pathlib.Path("install/local_setup.bash").write_text("export PYTHONPATH=nothing\\n")
+"""
+
+
+def wheel(folder: Path, name: str, files: dict[str, str], version: str = "1.0") -> str:
+    """Write a wheel of a package; its line in a lock."""
+    info = f"{name}-{version}.dist-info"
+    files = {
+        **files,
+        f"{info}/METADATA": f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n",
+        f"{info}/WHEEL": "Wheel-Version: 1.0\nGenerator: test\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+    }
+    files[f"{info}/RECORD"] = "".join(f"{each},,\n" for each in (*files, f"{info}/RECORD"))
+    path = folder / f"{name}-{version}-py3-none-any.whl"
+    with zipfile.ZipFile(path, "w") as written:
+        for each, text in files.items():
+            written.writestr(zipfile.ZipInfo(each), text)
+    return (
+        f"{name}=={version} \\\n    --hash=sha256:{hashlib.sha256(path.read_bytes()).hexdigest()}\n    # via a test\n"
+    )
+
+
+class Checkout:
+    """The scripts in a folder of their own, with two packages to install, and a machine that has Python alone."""
+
+    def __init__(self, folder: Path) -> None:
+        self.root, self.wheels, self.told = folder / "checkout", folder / "wheels", folder / "told"
+        self.wheels.mkdir()
+        shutil.copytree(ROOT / "scripts", self.root / "scripts")
+        package = self.root / "src" / "ev_sim"
+        package.mkdir(parents=True)
+        for name in ("package.xml", "setup.py", "setup.cfg"):
+            (package / name).touch()
+        entry = "uv-1.0.dist-info/entry_points.txt"
+        uv = wheel(self.wheels, "uv", {"uv_stub.py": UV, entry: "[console_scripts]\nuv = uv_stub:main\n"})
+        colcon = wheel(self.wheels, "colcon", {"colcon/__init__.py": "", "colcon/__main__.py": COLCON})
+        (self.root / "requirements.txt").write_text("uv==1.0  # installs\ncolcon==1.0  # builds\nros-rclpy==1.0\n")
+        self.lock = self.root / "requirements.lock"
+        self.lock.write_text(colcon + uv)
+        bare = {"PATH": f"{Path(sys._base_executable).parent}:/usr/bin:/bin", "HOME": str(folder)}
+        self.environment = bare | {"PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(self.wheels), "TOLD": str(self.told)}
+
+    def start(self, **environment: str) -> subprocess.Popen:
+        return subprocess.Popen(
+            [self.root / "scripts" / "setup.sh"],
+            env=self.environment | environment,
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # as in the foreground
+        )
+
+    def set_up(self, **environment: str) -> tuple[int, str]:
+        """Status, and what it says on standard error; on standard output it says nothing."""
+        process = self.start(**environment)
+        out, said = process.communicate(timeout=100)
+        assert out == ""
+        return process.returncode, said
+
+    @property
+    def is_complete(self) -> bool:
+        command = self.root / ".venv" / "bin" / "ev-stack"
+        return (self.root / "install" / ".complete").exists() and b"the command" in subprocess.check_output([command])
+
+
+@pytest.fixture
+def checkout(tmp_path: Path) -> Checkout:
+    return Checkout(tmp_path)
+
+
+def said_of(text: str) -> list[str]:
+    """The steps that were said, without their times."""
+    return [line.partition(" done in ")[0] for line in text.splitlines()]
+
+
+INSTALLING = "installing ROS 2 and the tools of requirements.lock (once) ..."
+
+
+@pytest.mark.slow
+def test_the_uv_of_the_lock_installs_the_lock_as_pip_is_told_to(checkout):
+    """With its hashes. The next call does nothing; another lock is installed into the same .venv."""
+    status, said = checkout.set_up()
+    assert (status, said_of(said)) == (0, ["making .venv ...", INSTALLING, "building the workspace ..."])
+    told = checkout.told.read_text()
+    assert "--no-deps --require-hashes --requirement .venv/locked.txt" in told and str(checkout.wheels) in told
+    assert checkout.is_complete
+    assert checkout.set_up() == (0, "")
+    checkout.lock.write_text(checkout.lock.read_text() + wheel(checkout.wheels, "more", {"more.py": ""}))
+    status, said = checkout.set_up()
+    assert (status, said_of(said)) == (0, ["updating .venv ...", "building the workspace ..."])
+    assert (checkout.root / ".venv" / "bin" / "uv").exists()
+    subprocess.run([checkout.root / ".venv" / "bin" / "python", "-c", "import more"], check=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("why", ["cannot be had", "fails"])
+def test_where_uv_is_of_no_use_pip_installs_and_one_line_says_so(why, checkout):
+    if why == "cannot be had":
+        (checkout.wheels / "uv-1.0-py3-none-any.whl").unlink()
+    status, said = checkout.set_up(UV_FAILS="no network")
+    assert status == 0
+    installing = f"{INSTALLING} uv {why}: pip installs, which takes longer ..."
+    assert said_of(said) == ["making .venv ...", installing, "building the workspace ..."]
+    assert checkout.is_complete
+
+
+@pytest.mark.slow
+def test_another_file_than_the_lock_names_is_refused_and_nothing_is_left_behind(checkout):
+    """By uv and by pip; with the right one it goes on."""
+    right = checkout.wheels / "colcon-1.0-py3-none-any.whl"
+    right.rename(checkout.wheels / "right")
+    wheel(checkout.wheels, "colcon", {"colcon/__init__.py": "import evil"})
+    status, said = checkout.set_up()
+    assert status == 1
+    assert "DO NOT MATCH THE HASHES" in said
+    assert not (checkout.root / ".venv").exists()
+    (checkout.wheels / "right").rename(right)
+    assert checkout.set_up()[0] == 0
+    assert checkout.is_complete
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGKILL])
+def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
+    """In the middle of building, by Ctrl-C and without a last word; what was installed is not installed again."""
+    process = checkout.start(BUILD_TIME="600")
+    while not (checkout.root / "building").exists():
+        assert process.poll() is None
+        time.sleep(0.05)
+    os.killpg(process.pid, kind)
+    process.communicate(timeout=60)
+    assert process.returncode != 0
+    assert not (checkout.root / "install" / ".complete").exists()
+    status, said = checkout.set_up()
+    assert (status, said_of(said)) == (0, ["building the workspace ..."])
+    assert checkout.is_complete
+
+
+@pytest.mark.slow
+def test_two_calls_at_once_set_up_once(checkout):
+    first = checkout.start(BUILD_TIME="2")
+    while not (checkout.root / "building").exists():
+        assert first.poll() is None
+        time.sleep(0.05)
+    assert checkout.set_up() == (0, "waiting for another set-up to finish ...\n")
+    assert first.communicate(timeout=60) and first.returncode == 0
+    assert checkout.is_complete
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("distribution", ["jazzy", "kilted", "lyrical", "rolling"])
+def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, checkout, tmp_path):
+    """Not ROS, and numpy as the distribution has it; by pip, for uv does not see what the distribution has."""
+    (tmp_path / "ros2").write_text("#!/bin/sh\n")
+    (tmp_path / "ros2").chmod(0o755)
+    (tmp_path / "numpy.py").write_text("__version__ = '1.26.4'\n")
+    path = f"{tmp_path}:{checkout.environment['PATH']}"
+    status, said = checkout.set_up(ROS_DISTRO=distribution, PATH=path, PYTHONPATH=str(tmp_path))
+    assert (status, said_of(said)) == (
+        0,
+        [
+            f"making .venv beside ROS 2 {distribution} ...",
+            f"installing what {distribution} lacks (once) ...",
+            "building the workspace ...",
+        ],
+    )
+    venv = checkout.root / ".venv"
+    assert (venv / "missing.txt").read_text() == "colcon\n"
+    assert (venv / "constraints.txt").read_text() == "numpy==1.26.4\n"
+    assert not checkout.told.exists()
+    assert "include-system-site-packages = true" in (venv / "pyvenv.cfg").read_text()
+    assert checkout.is_complete
+
+
+def test_uv_is_told_what_pip_is_told(monkeypatch):
+    """A variable of pip goes before its files, and one of uv before both, by its older name too."""
+    for name in (*os.environ,):
+        if name.startswith(("UV_", "SSL_")) or name.upper().endswith("_PROXY"):
+            monkeypatch.delenv(name)
+    lines = (
+        ":env:.find-links='/a /b'",
+        "download.index-url='https://not.this'",
+        "global.cert='/of/ours.pem'",
+        "global.find-links='/c'",
+        "global.index-url='https://one'",
+        "global.progress-bar='off'",
+        "install.extra-index-url='\\nhttps://two\\nhttps://three'",
+    )
+    found = {
+        "UV_INDEX_STRATEGY": "unsafe-best-match",
+        "UV_DEFAULT_INDEX": "https://one",
+        "UV_INDEX": "https://two https://three",
+        "UV_FIND_LINKS": "/a,/b",
+        "SSL_CERT_FILE": "/of/ours.pem",
+    }
+    assert uv_as_pip.variables("\n".join(lines)) == found
+    monkeypatch.setenv("UV_INDEX_URL", "https://mine")
+    monkeypatch.setenv("UV_FIND_LINKS", "/mine")
+    del found["UV_DEFAULT_INDEX"], found["UV_FIND_LINKS"]
+    assert uv_as_pip.variables("\n".join(lines)) == found
