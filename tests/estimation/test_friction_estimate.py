@@ -32,7 +32,7 @@ class Estimate:
         """Both front wheels with the torque that a road of this friction takes."""
         effort = friction * FRONT_LOAD * 0.32
         motion = Motion(torque=torque, speeds=speeds, efforts=Wheels.front(effort, effort))
-        _, column, wheels, imu, _, _ = motion.signals().values()
+        _, _, column, wheels, imu, _, _ = motion.signals().values()
         return estimated_friction(self.p, CAR, self.state, PERIOD, torque, LOAD, column, wheels, imu)
 
 

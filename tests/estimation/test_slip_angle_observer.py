@@ -80,7 +80,7 @@ def observed(true_stiffness: float, speed: float = 15.0) -> tuple[float, float]:
     p, s = SlipAngleObserverParameters(), SlipAngleObserverState()
     errors, largest = [], 0.0
     for motion in bicycle(2.0, 0.02, speed, true_stiffness):
-        driver, column, wheels, imu, body, _ = motion.signals().values()
+        _, driver, column, wheels, imu, body, _ = motion.signals().values()
         estimate = observed_slip_angles(p, CAR, s, PERIOD, driver, column, wheels, imu)
         truth = axle_slip_angles(CAR, body.longitudinal, body.lateral, body.yaw_rate, 0.02, 1.0)
         errors.append(max(abs(e - t) for e, t in zip(estimate, truth, strict=True)))
@@ -113,7 +113,7 @@ def test_speed_is_that_of_the_wheel_that_cannot_slip(torque, brake, u, ahead):
     narrow = namespace({**car_numbers(ZHILEYKIN), "front_track": 0.0, "rear_track": 0.0})
     speeds = Wheels(*(ahead * each / 0.35 for each in (10.0, 11.0, 12.0, 14.0)))
     motion = Motion(torque=ahead * torque, brake=brake, r=0.1, speeds=speeds)
-    driver, column, wheels, imu, _, _ = motion.signals().values()
+    _, driver, column, wheels, imu, _, _ = motion.signals().values()
     s = SlipAngleObserverState()
     found = observed_slip_angles(SlipAngleObserverParameters(), narrow, s, PERIOD, driver, column, wheels, imu)
     assert found == pytest.approx(axle_slip_angles(CAR, ahead * u, s.lateral_velocity, 0.1, 0.0, 1.0), rel=1e-12)

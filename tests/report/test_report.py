@@ -223,7 +223,7 @@ def test_step_response_of_second_order(system, size):
     found = step_response(time, size * second_order(system, time - 2.0), 2.0)
     assert found.steady_value == pytest.approx(size, rel=1e-3)
     assert found.overshoot == pytest.approx(printed.overshoot(system), abs=0.15)
-    assert found.settling_time == pytest.approx(printed.settling_time(system, 0.05), abs=PERIOD / 2)
+    assert found.settling_time == pytest.approx(system.settling_time(0.05), abs=PERIOD / 2)
 
 
 def test_step_response_of_first_order():
@@ -270,7 +270,7 @@ def test_values_that_follow_from_the_equations():
     assert printed.overshoot(paper.OBJECT) == pytest.approx(40.3, abs=0.05)
     assert paper.CLOSED_LOOP.steady_angle(96.0) == pytest.approx(96 / 78.056)
     assert printed.overshoot(paper.CLOSED_LOOP) == pytest.approx(1.7, abs=0.05)
-    assert printed.settling_time(paper.CLOSED_LOOP, 0.05) == pytest.approx(0.63, abs=0.005)
+    assert paper.CLOSED_LOOP.settling_time(0.05) == pytest.approx(0.63, abs=0.005)
     assert printed.hand_torque_manual(angle) == pytest.approx(2.127, abs=5e-4)
     assert paper.hand_torque_assisted(angle) == pytest.approx(0.426, abs=5e-4)
     assert paper.differential_torque(paper.hand_torque_assisted(angle), angle) == pytest.approx(10.95, abs=5e-3)
@@ -280,7 +280,7 @@ def test_values_that_follow_from_the_equations():
 
 @pytest.mark.parametrize("system", [paper.OBJECT, paper.CLOSED_LOOP])
 def test_closed_form_settling_time_is_the_last_entry_into_the_band(system):
-    settling = printed.settling_time(system, 0.05)
+    settling = system.settling_time(0.05)
     assert abs(system.deviation(settling)) == pytest.approx(0.05, abs=1e-9)
     later = np.linspace(settling, settling + 10.0, 5000)
     assert max(abs(system.deviation(t)) for t in later) <= 0.05 + 1e-9

@@ -38,7 +38,7 @@ def test_a_bias_shows_in_its_own_numbers_and_nowhere_else(quantity):
     """A heading shows it as that of a quaternion about the vertical axis; wheels without a circuit have no sensors."""
     role = next(role.name for role in ROLES.values() if quantity.signal in role.writes)
     methods = {"plant": "planar_electrical", "steering_column": "powered", "rear_steering": "speed_dependent"}
-    method = methods.get(role, "circuits")
+    method = methods.get(role, "circuits_with_flow")
     true, biased = (frames(role, method, errors)[0] for errors in ({}, {f"{quantity.name}.bias": 0.125}))
     driven = configure("plant", {}).common.vehicle.driven_wheels
     own = [quantity.places[i] for part in quantity.parts(driven) for i in part]

@@ -111,6 +111,17 @@ def test_what_is_given_can_be_had_and_is_never_more_than_asked(keep, car, torque
         assert drive == pytest.approx(asked, abs=TOLERANCE)  # the limits themselves are rounded
 
 
+def test_a_battery_that_neither_gives_nor_takes_leaves_no_torque_that_has_power():
+    """The limit and the power of no torque are then both zero, and neither is divided by the other."""
+    car = Vehicle(
+        driven_wheels=("rear_left", "rear_right"),
+        battery=Battery(discharge_power=0.0, charge_power=0.0, auxiliary_power=0.0),
+    )
+    for torque in (-500.0, 500.0):
+        drive = given_to(car, "sum", Wheels(0.0, 0.0, torque, torque), Wheels.all(20.0))
+        assert mechanical_power(drive, Wheels.all(20.0)) == 0.0
+
+
 @settings(max_examples=100, phases=(Phase.explicit, Phase.generate))
 @given(car=cars, torque=torques, speed=speeds)
 def test_sum_gives_no_wheel_the_other_sign_and_leaves_no_motor_idle(car, torque, speed):

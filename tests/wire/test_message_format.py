@@ -132,7 +132,7 @@ def test_packing_gives_the_bytes_of_rclpy(topic, data):
     values, stamp = data.draw(numbers_of(topic)), data.draw(stamp_values)
     ours, message = packed(topic, values, stamp), message_of(topic, values, stamp)
     theirs = serialize_message(message)
-    assert 0 <= len(theirs) - len(ours) <= 8
+    assert 0 <= len(theirs) - len(ours) <= 16  # of a JointState: rclpy reserves padding for each of its four arrays
     differing = [(one, other) for one, other in zip(ours, theirs, strict=False) if one != other]
     assert all(one == 0 for one, _ in differing)
     assert len(differing) <= 3 * (1 + len(getattr(message, "name", ()))) + 7  # behind texts, before numbers

@@ -182,7 +182,7 @@ def within_battery(p: AllocationParameters, car: Car, speed: Wheels, drive: Whee
     if -take <= power <= give:
         return drive
     limit, left = give if power > give else -take, mechanical_power(least, speed)
-    if (left > limit) == (power > limit):
+    if left != limit and (left > limit) == (power > limit):
         return between(NO_WHEELS, least, limit / left)
     return between(least, drive, (limit - left) / (power - left))
 

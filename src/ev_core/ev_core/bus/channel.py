@@ -146,6 +146,10 @@ class Channel:
         if self._meter:
             self._meter.note(message.arbitration_id, bytes(message.data), age)
 
+    def fileno(self) -> int:
+        """What `select` can wait for, of udp_multicast and socketcan; NotImplementedError for the others."""
+        return self._bus.fileno()
+
     def close(self) -> None:
         """Leave the bus."""
         self._bus.shutdown()
