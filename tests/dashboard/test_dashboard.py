@@ -203,7 +203,7 @@ def test_a_port_that_is_taken_is_refused_in_one_line():
 @needs_browser
 def test_the_page_follows_the_runs_of_a_scenario_through_their_namespaces(tmp_path):
     """Each run of a scenario of several stands in a namespace of its own, one after the other."""
-    words = ["--port", "0", "ge_ni2005", "--duration", "4", "--no-record", "--no-report", "--out", str(tmp_path)]
+    words = ["--port", "0", "ge_ni2005", "--duration", "2", "--no-record", "--no-report", "--out", str(tmp_path)]
     process = subprocess.Popen(
         [ROOT / "scripts" / "dashboard.sh", *words],
         env=ENVIRONMENT,
