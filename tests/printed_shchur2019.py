@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from scipy.optimize import minimize_scalar
 
+from documentation.closed_form import peak_time
 from ev_papers.shchur2019 import paper
-from ev_papers.shchur2019.paper import CLOSED_LOOP, SecondOrder
-
-
-def overshoot(system: SecondOrder) -> float:
-    """First peak beyond the steady angle [% of it]."""
-    return 100 * system.extreme(1)
+from ev_papers.shchur2019.paper import CLOSED_LOOP
 
 
 def lowest_differential_torque() -> tuple[float, float]:
@@ -21,7 +17,7 @@ def lowest_differential_torque() -> tuple[float, float]:
         angle, rate = steady * (1 + CLOSED_LOOP.deviation(time)), steady * CLOSED_LOOP.rate(time)
         return paper.differential_torque(paper.HAND_TORQUE_CLOSED_LOOP, angle, rate)
 
-    found = minimize_scalar(torque, bounds=(0.0, CLOSED_LOOP.peak_time), method="bounded", options={"xatol": 1e-9})
+    found = minimize_scalar(torque, bounds=(0.0, peak_time(CLOSED_LOOP)), method="bounded", options={"xatol": 1e-9})
     return float(found.x), float(found.fun)
 
 

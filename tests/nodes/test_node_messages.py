@@ -200,7 +200,7 @@ class Stopping(CalledBack):
 
 def test_ordinary_steps_are_taken_in_compiled_code_and_others_in_python(law, monkeypatch):
     """With the same numbers; what a part raises there is raised by the node. Switched off, all are taken in Python."""
-    assert steps.address()  # compiled if nobody has yet
+    assert steps.CODE.address()  # compiled if nobody has yet
     judged = []
     for reader in law.node.readers.values():
         judge = reader.judge

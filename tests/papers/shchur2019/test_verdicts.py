@@ -8,6 +8,7 @@ import printed_shchur2019 as printed
 import pytest
 from judging import verdict_on
 
+from documentation import closed_form
 from ev_papers.shchur2019 import paper
 from ev_sim.verdicts.sources import published
 
@@ -76,15 +77,15 @@ def test_values_that_follow_are_those_of_the_equations():
     follows = {
         "fig1a.1.steady": [ends[0]],
         "fig1a.1.overshoot": [
-            printed.overshoot(one),
-            ends[0] * (1 + one.extreme(1)),
-            one.peak_time,
-            2 * one.peak_time,
+            closed_form.overshoot(one),
+            ends[0] * (1 + closed_form.extreme(one, 1)),
+            closed_form.peak_time(one),
+            2 * closed_form.peak_time(one),
         ],
-        "fig1a.1.settling": [one.settling_time(0.05)],
+        "fig1a.1.settling": [closed_form.settling_time(one, 0.05)],
         "fig1a.2.steady": [ends[1]],
-        "fig1a.2.overshoot": [printed.overshoot(two), two.peak_time],
-        "fig1a.2.settling": [two.settling_time(0.05)],
+        "fig1a.2.overshoot": [closed_form.overshoot(two), closed_form.peak_time(two)],
+        "fig1a.2.settling": [closed_form.settling_time(two, 0.05)],
         "fig1b.start": [paper.differential_torque(1.0, 0.0)],
         "fig1b.minimum": [lowest, time],
         "fig1b.end": [paper.differential_torque(1.0, ends[1])],

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ctypes
 import hashlib
 from collections.abc import Callable, Sequence
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -98,21 +98,8 @@ _P, _N = ctypes.c_void_p, ctypes.c_int64
 _FUNCTION = ctypes.PYFUNCTYPE(ctypes.c_int32, _P, _N, _P, _P)
 _NEWEST_FUNCTION = ctypes.PYFUNCTYPE(ctypes.c_int32, _P, _P, _P)
 
-
 ANY_STEP = Code("tally", _TEXT, {"add_up_step": add_up_step})
 NEWEST_STEP = Code("newest_tally", _NEWEST, {"add_up_newest": add_up_newest, "Steps": Steps})
-
-
-@cache
-def address() -> int:
-    """Of the function that adds any step, as one of C."""
-    return ANY_STEP.address()
-
-
-@cache
-def newest_address() -> int:
-    """Of the function that adds the newest step of an inbox, as one of C."""
-    return NEWEST_STEP.address()
 
 
 class Tally:
@@ -131,7 +118,7 @@ class Tally:
             self.block[_TOPICS + 2 * i : _TOPICS + 2 * i + 2] = PLACES[signal].start, PLACES[signal].stop
         self._sums = self.block[_SUMS:].reshape(_MOST, KEPT)
         # add(step, taken, said): the inputs of a step and the outputs that follow, in the frames at two addresses.
-        self.add = partial(_FUNCTION(address()), self.block.ctypes.data)
+        self.add = partial(_FUNCTION(ANY_STEP.address()), self.block.ctypes.data)
 
     def adder(self, inbox: Inbox) -> Callable[[], int]:
         """A function that adds the newest step of an inbox, as often as it is called.
@@ -139,7 +126,7 @@ class Tally:
         It is not wrapped and takes no arguments from Python: both would take as long as the sums.
         """
         self.block[_PERIOD], self.block[_LEAD] = inbox.steps.period, inbox.steps.lead
-        return partial(_NEWEST_FUNCTION(newest_address()), self.block.ctypes.data, *inbox.addresses)
+        return partial(_NEWEST_FUNCTION(NEWEST_STEP.address()), self.block.ctypes.data, *inbox.addresses)
 
     def begin(self, step: int, said: int) -> None:
         """Add the outputs of a step before which there was no input, in the frame at an address."""

@@ -37,13 +37,13 @@ def is_switched_on() -> bool:
 
 def can_be_taken() -> bool:
     """Whether what the loop takes is there: machine code, and ROS's C library; and nobody has switched it off."""
-    return is_switched_on() and bool(addresses()) and steps.is_kept()
+    return is_switched_on() and bool(addresses()) and steps.CODE.is_kept()
 
 
 def keep_code() -> None:
     """See to it that the machine code is on disk: without it nodes take their steps at half the speed."""
-    if is_switched_on() and can_be_kept() and not steps.is_kept():
-        steps.address()
+    if is_switched_on() and can_be_kept() and not steps.CODE.is_kept():
+        steps.CODE.address()
 
 
 class End(NamedTuple):
@@ -160,7 +160,7 @@ class OrdinarySteps:
             self._block.address,
             0 if sums is None else sums.block.ctypes.data,
         )
-        self._call = _FUNCTION(steps.address())
+        self._call = _FUNCTION(steps.CODE.address())
         self._forget_at = 0.0
 
     def _lay_out(self, inputs: Sequence[End], outputs: Sequence[End]) -> None:

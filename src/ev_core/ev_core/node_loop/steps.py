@@ -8,7 +8,6 @@ compiled form of `wire`.
 
 from __future__ import annotations
 
-from functools import cache
 from time import CLOCK_MONOTONIC
 from typing import Any, NamedTuple
 
@@ -274,15 +273,4 @@ def step(head, steps, inputs, outputs, runs, senders, frames, block, tally):
     )
 '''
 _RECORDS = {"LOOP": LOOP, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN}
-_CODE = Code("node_steps", _TEXT, {**_RECORDS, "Memory": Memory, "Steps": Steps, "take_steps": take_steps})
-
-
-def is_kept() -> bool:
-    """Whether the machine code is on disk, so that nobody has to wait for the compiler."""
-    return _CODE.is_kept()
-
-
-@cache
-def address() -> int:
-    """Of the loop as a C function."""
-    return _CODE.address()
+CODE = Code("node_steps", _TEXT, {**_RECORDS, "Memory": Memory, "Steps": Steps, "take_steps": take_steps})

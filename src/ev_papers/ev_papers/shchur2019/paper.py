@@ -10,8 +10,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from scipy.optimize import brentq
-
 
 @dataclass(frozen=True, slots=True)
 class SecondOrder:
@@ -45,23 +43,6 @@ class SecondOrder:
         natural = self.stiffness / self.inertia
         decayed = math.exp(-self.decay * time)
         return decayed * natural / self.damped_frequency * math.sin(self.damped_frequency * time)
-
-    @property
-    def peak_time(self) -> float:
-        """Time from the step to the first peak, half of the period [s]."""
-        return math.pi / self.damped_frequency
-
-    def extreme(self, number: int) -> float:
-        """Size of the n-th extreme of the deviation as a fraction of the final value; the 0th is the step itself."""
-        return math.exp(-self.decay * number * self.peak_time)
-
-    def settling_time(self, band: float) -> float:
-        """Time from the step to the last entry into +-band around the final value [s]."""
-        swing = next(n for n in range(1000) if self.extreme(n + 1) <= band)
-        # The deviation falls monotonically from this extreme, the last outside the band, to the next one.
-        outside, inside = swing * self.peak_time, (swing + 1) * self.peak_time
-        edge = math.copysign(band, self.deviation(outside))
-        return float(brentq(lambda time: self.deviation(time) - edge, outside, inside, xtol=1e-12))
 
 
 J_P = 2.8  # inertia of the steering system at the wheels [kg m^2]

@@ -76,7 +76,7 @@ def _alike(values: list[Any], kind: type) -> list[Any]:
 
 
 _PATIENCE = 3.0  # s of wall time for a node to answer
-_GRAPH_PERIOD = 1.0  # s between looks at which nodes there are
+GRAPH_PERIOD = 1.0  # s between looks at which nodes there are
 _AT_ONCE = 20  # answers that are taken in one look
 
 Tell = Callable[[dict[str, Any]], None]
@@ -119,7 +119,7 @@ class Controls:
             else:
                 otherwise()
         if now >= self._next_look:
-            self._next_look = now + _GRAPH_PERIOD
+            self._next_look = now + GRAPH_PERIOD
             self._find_nodes()
 
     def obey(self, wish: Mapping[str, Any]) -> None:

@@ -24,11 +24,12 @@ from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.dashboard.controls import Controls, line
+from ev_sim.dashboard.controls import GRAPH_PERIOD, Controls, line
 from ev_sim.dashboard.live_frames import LiveFrames, Reported
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.page.writing import filled
 from ev_sim.running.node_reports import observing
+from ev_sim.scenarios.about import NAMESPACE
 
 ADDRESS = "127.0.0.1"  # no other machine can ask
 _KEPT = 1200  # rows that a page gets when it is opened
@@ -162,8 +163,6 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
 
 
 _NODE = "dashboard"  # in the graph
-_NAMESPACE = "/ev"  # whose keys it has, where security is asked for
-_GRAPH_PERIOD = 1.0  # s between looks for a graph
 _PERIOD = 0.05  # s of wall time between two looks
 _PATIENCE = 10.0  # s for a graph to be found to which we are to attach
 
@@ -178,7 +177,8 @@ async def attached(namespace: str | None, domain: int, port: int, run: subproces
     loop = asyncio.get_running_loop()
     for kind in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(kind, stopped.set)
-    with observing(namespace or _NAMESPACE, domain, _NODE) as observer:
+    # The keys of the default namespace, where security is asked for and none is named.
+    with observing(namespace or NAMESPACE, domain, _NODE) as observer:
         dashboard = _Dashboard(observer, port, namespace)
         start = next_look = loop.time()
         try:
@@ -250,7 +250,7 @@ class _Dashboard:
     def look(self) -> None:
         """Take what has come and pass it on."""
         if self._may_change and not self.has_master and time.monotonic() > self._next_look:
-            self._next_look = time.monotonic() + _GRAPH_PERIOD
+            self._next_look = time.monotonic() + GRAPH_PERIOD
             there = {space for name, space in self._observer.get_node_names_and_namespaces() if name == MASTER}
             if there and (self._graph is None or self._graph.namespace not in there):
                 self._show(min(there))

@@ -152,8 +152,8 @@ def stepping(in_nodes: bool) -> list[Unit]:
         from ev_core.node_loop import steps
         from ev_core.node_loop.ordinary_steps import is_switched_on
 
-        loop = [Unit("node_steps", steps.is_kept, steps.address, "node_steps")] if is_switched_on() else []
-        return [*loop, *map(unit_of_code, (tally.ANY_STEP, tally.NEWEST_STEP))]
+        loop = [steps.CODE] if is_switched_on() else []
+        return [*map(unit_of_code, (*loop, tally.ANY_STEP, tally.NEWEST_STEP))]
     from ev_core.compiled import loop as loops  # numba is slow to import
 
     return [Unit("loops", loops.are_kept, loops.compile_loops, "loops")]
