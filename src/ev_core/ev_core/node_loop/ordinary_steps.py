@@ -10,7 +10,7 @@ import ctypes
 import os
 import time
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -92,7 +92,24 @@ def prepare_message(address: int, capacity: int) -> None:
         raise MemoryError(f"no {capacity} bytes for a message")
 
 
-_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 9)
+_LOOP_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 9)
+_FIELDS = (
+    "limit",
+    "until",
+    "patience",
+    "guard",
+    "came",
+    "refused",
+    "taken",
+    "spoke",
+    "odd",
+    "function",
+    "state",
+    "constants",
+)
+_LIMIT, _UNTIL, _PATIENCE, _GUARD, _CAME, _REFUSED, _TAKEN, _SPOKE, _ODD, _FUNCTION, _STATE, _CONSTANTS = (
+    (LOOP.names or ()).index(name) for name in _FIELDS
+)
 _NOBODY = b"\xff" * 16  # no identity
 _FORGET_PERIOD = 0.05  # s after which senders that are refused are looked at again
 _SENDERS = 8  # of each input: the admitted one, and others that are known to be refused
@@ -137,6 +154,7 @@ class OrdinarySteps:
             self._wait_set = rclpy_implementation.WaitSet(1, 1, 0, 0, 0, 0, context)
         inputs = [reader.end for reader in self._readers]
         self._head = np.zeros(1, LOOP)
+        self._words = memoryview(self._head.view(np.int64))
         self._inputs, self._outputs = np.zeros(len(inputs), INPUT), np.zeros(len(outputs), OUTPUT)
         self._senders = np.full((len(inputs), _SENDERS, 2), -1)
         self._runs = np.array([tuple(run) for end in (*inputs, *outputs) for run in end.format.runs], RUN)
@@ -152,7 +170,7 @@ class OrdinarySteps:
             head[name] = value
         arrays = (self._inputs, self._outputs, self._runs, self._senders)
         of_steps, of_frames = inbox.addresses
-        self._arguments = (
+        arguments = (
             self._head.ctypes.data,
             of_steps,
             *(array.ctypes.data for array in arrays),
@@ -160,8 +178,10 @@ class OrdinarySteps:
             self._block.address,
             0 if sums is None else sums.block.ctypes.data,
         )
-        self._call = _FUNCTION(steps.CODE.address())
+        self._call = partial(_LOOP_FUNCTION(steps.CODE.address()), *arguments)
         self._forget_at = 0.0
+        self._admitted: list[bytes | None] = []
+        self._part: Any = None
 
     def _lay_out(self, inputs: Sequence[End], outputs: Sequence[End]) -> None:
         """Put templates, messages and what functions fill in into one block."""
@@ -185,45 +205,53 @@ class OrdinarySteps:
             block.words[at : at + 3] = block.address + row["template"], row["length"], row["length"]
         self._block = block
 
-    def take(self, until: float, patience: float, limit: int, guard: int) -> bool:
+    def take(self, until: float, patience: float, limit: int, guard: int) -> bool | None:
         """Take steps up to a time of the monotonic clock, a stamp, or the first pause of `patience` seconds.
 
-        The guard condition at the address wakes it up, too. False if that is not for the loop to do: before the first
-        step, or beyond the limit.
+        The guard condition at the address wakes it up, too. It returns whether anything has come, None if that is not
+        for the loop to do: before the first step, or beyond the limit.
         """
-        stepper, head = self._stepper, self._head[0]
+        stepper, head = self._stepper, self._words
         if not stepper.under_way or stepper.inbox.last + stepper.period > limit:
-            return False
-        head["until"], head["patience"], head["limit"] = int(until * NANOSECONDS), int(patience * NANOSECONDS), limit
-        head["guard"], head["taken"] = guard, 0
-        head["function"], head["state"], head["constants"] = stepper.part.addresses()
+            return None
+        head[_UNTIL], head[_PATIENCE] = int(until * NANOSECONDS), int(patience * NANOSECONDS)
+        head[_LIMIT], head[_GUARD] = limit, guard
+        head[_CAME] = head[_TAKEN] = head[_REFUSED] = 0
+        if stepper.part is not self._part:
+            self._part = stepper.part
+            head[_FUNCTION], head[_STATE], head[_CONSTANTS] = self._part.addresses()
         self._name_senders()
-        why = self._call(*self._arguments)
-        for refused, reader in zip(self._inputs["refused"], self._readers, strict=True):
-            reader.speaker.refused += int(refused)
-        self._inputs["refused"] = 0
+        why = self._call()
+        if head[_REFUSED]:
+            for refused, reader in zip(self._inputs["refused"], self._readers, strict=True):
+                reader.speaker.refused += int(refused)
+            self._inputs["refused"] = 0
         if why == ODD:
-            self._judge(int(head["odd"]))
+            self._judge(head[_ODD])
         elif why == FAILED:
-            raise stepper.part.error
+            raise self._part.error
         elif why == NOT_FINITE:
-            stepper.part.refuse_not_finite(stepper.frame_of(stepper.inbox.last + stepper.period + int(head["lead"])))
-        return True
+            answered = stepper.inbox.last + stepper.period + stepper.inbox.steps.lead
+            self._part.refuse_not_finite(stepper.frame_of(answered))
+        return why == ODD or bool(head[_CAME])
 
     @property
     def taken(self) -> int:
         """How many steps it has taken the last time."""
-        return int(self._head["taken"][0])
+        return self._words[_TAKEN]
 
     @property
     def spoke(self) -> float:
         """When it has published last, on the monotonic clock."""
-        return float(self._head["spoke"][0]) / NANOSECONDS
+        return self._words[_SPOKE] / NANOSECONDS
 
     def _name_senders(self) -> None:
         """Give the loop the identities of the admitted publishers."""
-        for senders, reader in zip(self._senders, self._readers, strict=True):
-            senders[0] = np.frombuffer(reader.speaker.admitted or _NOBODY, np.int64)
+        admitted = [reader.speaker.admitted for reader in self._readers]
+        if admitted != self._admitted:
+            self._admitted = admitted
+            for senders, gid in zip(self._senders, admitted, strict=True):
+                senders[0] = np.frombuffer(gid or _NOBODY, np.int64)
         if time.monotonic() >= self._forget_at:
             self._forget_at = time.monotonic() + _FORGET_PERIOD
             self._senders[:, 1:] = np.frombuffer(_NOBODY, np.int64)

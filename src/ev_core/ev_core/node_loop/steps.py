@@ -118,7 +118,8 @@ def take_steps(
                     return ODD
                 if found == _NOTHING:
                     break
-                came = came or found == _KEPT
+                if found == _KEPT:
+                    came, head.came = True, 1
         lacking = missing(steps)
         if lacking == 0:
             if steps.done[LAST] + steps.period > head.limit:
@@ -151,7 +152,7 @@ def _take(head: Any, steps: Any, i: int, one: Any, senders: Any, runs: Any, fram
     if low != senders[0, 0] or high != senders[0, 1]:
         for k in range(1, len(senders)):
             if low == senders[k, 0] and high == senders[k, 1]:
-                one.refused += 1
+                one.refused, head.refused = one.refused + 1, 1
                 return _REFUSED
         return ODD
     buffer, length = memory.words[head.message], memory.words[head.message + 1]
@@ -227,6 +228,7 @@ LOOP = np.dtype(
         *integers("topics", "publishers", "runs", "senders", "size"),  # how many there are
         *integers("inputs", "heralds", "followed", "period", "lead", "may_skip"),  # as in `Steps`
         *integers("limit", "until", "patience"),  # a stamp, and times [ns]
+        *integers("came", "refused"),  # 1 if a message was kept, 1 if one was refused
         *integers("taken", "spoke", "odd"),  # steps, when the last answer was given, an input
         *integers("function", "state", "constants", "begin", "end"),  # of the part
         *integers("rcl_take", "rcl_publish", "rcl_count", "rcl_clear", "rcl_add", "rcl_add_guard"),  # addresses

@@ -148,6 +148,9 @@ class SteppedNode(Spinnable, Node):
 
     def poll(self) -> bool:
         """Take what the next step waits for and step where that completes the inputs; False if nothing was there."""
+        progressed = self._take_ordinary(0.0, 0.0, 0)
+        if progressed is not None:
+            return progressed
         progressed = False
         for signal in self.wanted():
             reader = self.readers[signal]
@@ -159,12 +162,17 @@ class SteppedNode(Spinnable, Node):
 
     def take_steps(self, until: float, guard: int) -> bool:
         """Let compiled code take ordinary steps up to a time of the monotonic clock; False if it cannot."""
+        return self._take_ordinary(until, self.wake_up_within(), guard) is not None
+
+    def _take_ordinary(self, until: float, patience: float, guard: int) -> bool | None:
+        """The same up to the first pause of `patience` seconds; whether anything has come, None if it cannot."""
         limit, ordinary = self.free_until(), self._ordinary
-        if limit < 0 or ordinary is None or not ordinary.take(until, self.wake_up_within(), limit, guard):
-            return False
-        if ordinary.taken:
+        if limit < 0 or ordinary is None:
+            return None
+        came = ordinary.take(until, patience, limit, guard)
+        if came and ordinary.taken:
             self.went_on(ordinary.spoke)
-        return True
+        return came
 
     @cached_property
     def _ordinary(self) -> OrdinarySteps | None:
