@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ev_sim.command_line.options import arguments
-from ev_sim.figures.drawing import Curve, Panel, chatter, level
+from ev_sim.figures.panels import Curve, Panel, level
 
 TIME = np.arange(0.0, 10.0, 0.001)
 SLOW = np.sin(TIME)
@@ -19,7 +19,7 @@ LATE_CHATTER = np.where(TIME < 5.0, SLOW, np.where(np.arange(len(TIME)) % 2, 3.0
 def sheet_of(*panels: Panel):
     from ev_sim.figures.drawing import sheet
 
-    return sheet(panels, "time [s]")
+    return Sheet(panels, "time [s]")
 
 
 def test_a_line_is_no_chatter():

@@ -433,7 +433,7 @@ def test_every_axis_has_a_quantity_and_a_unit(tmp_path, scenario, runs, names):
 
 
 def test_thinning_keeps_every_extreme_and_both_ends():
-    from ev_sim.figures.drawing import thinned
+    from ev_sim.figures.thinning import thinned
 
     time = np.arange(100_003) * 1e-3
     values = np.sin(time)

@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from ev_msgs_py.refusal import LINE, quoted, shown, unknown_name
-from ev_sim.command_line.options import overrides, own_nodes
+from ev_sim.command_line.options import overrides, own_nodes, printing
 from ev_sim.figures.saving import figure_files
 from ev_sim.recording.outcome import Outcome, RunFailed, progress_bar
 from ev_sim.recording.recording import OF_ALL_RUNS
@@ -32,7 +32,7 @@ def drive_scenario(given: argparse.Namespace) -> None:
     """Drive all runs of a scenario and report; raises what `ev_sim.commands.run_scenario.main` catches."""
     if not is_path(given.scenario) and given.scenario not in scenario_names():
         raise unknown_name("scenario or study", given.scenario, [*scenario_names(), *study_names()])
-    scenario = load_scenario(given.scenario, overrides(given))
+    scenario, prints = load_scenario(given.scenario, overrides(given)), printing(given)
     _refuse_without_ros(given)
     out = given.out or Path("results") / scenario.name
     way = "offline" if given.offline else "in-process" if given.in_process else "processes"
@@ -43,8 +43,9 @@ def drive_scenario(given: argparse.Namespace) -> None:
         outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
         result = Result(scenario, outcomes, mode, commands, given.command)
         summary, figures = result.summary(), result.figures()
-        folder.claim(figure_files(figures, given.figures))
-        content = result.write_report(folder.directory, figures, not given.no_report, given.figures)
+        folder.claim(figure_files(figures))
+        content = result.write_report(folder.directory, figures, not given.no_report)
+        prints.save(result.sheets, folder.directory, folder.claim)
     print_metrics(summary.metrics)
     for note in summary.notes:
         print(f"note: {shown(note, LINE)}")

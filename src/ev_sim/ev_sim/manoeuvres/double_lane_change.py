@@ -7,8 +7,9 @@ from functools import partial
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.figures.drawing import Curve, Figure, motion_panels, sheet
 from ev_sim.figures.other_axes import plan_view
+from ev_sim.figures.panels import Curve, motion_panels
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.lane_change_course import DOUBLE_LANE_CHANGE, Course, cones, edges, hit_cones, lanes, side_of
 from ev_sim.measures.metric import Metric, Runs, channel, metric
@@ -41,7 +42,7 @@ def metrics_on(course: Course, runs: Runs, vehicle: Vehicle) -> dict[str, Metric
     return motion.of_each_run(runs, of)
 
 
-def figures_on(course: Course, runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures_on(course: Course, runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
     """The course with its cones and the car's path, and the motion over time."""
     run = next(iter(runs.values()))
     tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), "centre of mass")]
@@ -51,7 +52,7 @@ def figures_on(course: Course, runs: Runs, vehicle: Vehicle) -> dict[str, Figure
         "course": plan_view(
             course.name, tracks, cones(vehicle, side_of(run, course), course), hit_cones(run, vehicle, course)
         ),
-        "motion": sheet(motion_panels(runs, *names), "time [s]"),
+        "motion": Sheet(motion_panels(runs, *names)),
     }
 
 

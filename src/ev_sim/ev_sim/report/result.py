@@ -18,9 +18,10 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
 from ev_sim.figures.other_axes import timing_sheet
-from ev_sim.figures.saving import figure_files, save_figures
+from ev_sim.figures.panels import Curve, Panel, motion_panels, panel, readable
+from ev_sim.figures.saving import Print, figure_files, save_figures
+from ev_sim.figures.sheets import COLUMN, WIDE, Figure, Sheet, drawn
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, Parameters, Runs, bus_metrics, channel, metric, own_metrics
 from ev_sim.recording.offline import true_motion
@@ -38,7 +39,7 @@ class Report(NamedTuple):
     """Metrics of the runs of a scenario in the order of the table, and figures by their file's name without suffix."""
 
     metrics: Callable[[Runs, Vehicle, Parameters], dict[str, Metric]]
-    figures: Callable[[Runs, Vehicle, Parameters], dict[str, Figure]]
+    figures: Callable[[Runs, Vehicle, Parameters], dict[str, Sheet]]
 
 
 def report_for(scenario: str) -> Report:
@@ -68,12 +69,9 @@ def _any_metrics(runs: Runs) -> dict[str, Metric]:
     return motion.of_each_run(runs, _metrics)
 
 
-def _any_figures(runs: Runs) -> dict[str, Figure]:
+def _any_figures(runs: Runs) -> dict[str, Sheet]:
     """One sheet for each run."""
-    return {
-        f"overview_{name}" if len(runs) > 1 else "overview": sheet(_panels(run), "time [s]")
-        for name, run in runs.items()
-    }
+    return {f"overview_{name}" if len(runs) > 1 else "overview": Sheet(_panels(run)) for name, run in runs.items()}
 
 
 def _metrics(run: Recording) -> dict[str, Metric]:
@@ -88,16 +86,12 @@ def _metrics(run: Recording) -> dict[str, Metric]:
 
 def _panels(run: Recording) -> list[Panel]:
     def wheels(quantity: str) -> list[Curve]:
-        return [Curve(run.time, channel(run, f"{quantity}.{name}"), name.replace("_", " ")) for name in WHEEL_NAMES]
-
-    def steering_angle() -> list[Curve]:
-        return [Curve(run.time, np.degrees(channel(run, motion.ROAD_WHEEL_ANGLE)))]
+        return [Curve(run.time, channel(run, f"{quantity}.{name}"), readable(name)) for name in WHEEL_NAMES]
 
     return [
-        panel("Speed", "speed [m/s]", lambda: [Curve(run.time, motion.path_speed(run))]),
-        panel("Steering angle", "angle [deg]", steering_angle),
+        *motion_panels({"": run}, "speed", "road_wheel_angle"),
         panel("Drive torques", "torque [N m]", lambda: wheels("wheel_states.effort")),
-        panel("Wheel speeds", "speed [rad/s]", lambda: wheels("wheel_states.velocity")),
+        panel("Wheel speeds", "wheel speed [rad/s]", lambda: wheels("wheel_states.velocity")),
     ]
 
 
@@ -180,12 +174,15 @@ class Result:
         runs = [run.name for run in self.scenario.runs]
         return differences(self.scenario, load_scenario(str(self.scenario.file), only=runs))
 
-    def figures(self) -> dict[str, Figure]:
-        """Figures by name, drawn anew."""
-        figures: dict[str, Figure] = dict(self._of_report("figures"))
-        if self._timing:
-            figures["timing"] = timing_sheet(self._timing)
-        return figures
+    @cached_property
+    def sheets(self) -> dict[str, Sheet]:
+        """What the figures show, by name."""
+        timing = {"timing": timing_sheet(self._timing)} if self._timing else {}
+        return {**self._of_report("figures"), **timing}
+
+    def figures(self, width: float = WIDE) -> dict[str, Figure]:
+        """Figures [inch wide] of matplotlib by name, drawn anew."""
+        return drawn(self.sheets, width)
 
     @property
     def _timing(self) -> dict[str, Mapping[str, Any]]:
@@ -235,26 +232,28 @@ class Result:
             differs=self.differs,
         )
 
-    def save(self, directory: Path | str, formats: Sequence[str] = ()) -> None:
+    def save(
+        self, directory: Path | str, formats: Sequence[str] = (), width: float = COLUMN, panels: Sequence[str] = ()
+    ) -> None:
         """Write report.html, summary.json, figures and, for several runs in folders of their names, signals.npz.
 
         What this or `scripts/run.sh` has written there of the same scenario is replaced. ParameterError, before
         anything is written, if something else is in the way.
-        `formats`: pdf or svg, for figures that are also wanted for print.
+        `formats`: pdf or svg, for figures that are also wanted for print, then `width` [inch], and `panels` by patterns
+        of NAME, PANEL or NAME.PANEL.
         """
         figures, runs = self.figures(), self.scenario.runs
-        files = (*OF_ALL_RUNS, *figure_files(figures, formats))
+        files = (*OF_ALL_RUNS, *figure_files(figures))
         with OutputFolder(Path(directory), f"scenario {self.scenario.name}", files, runs) as folder:
             for run in runs:
                 save(self.runs[run.name], folder.of(run) / SIGNALS)
-            self.write_report(folder.directory, figures, formats=formats)
+            self.write_report(folder.directory, figures)
+            Print(tuple(formats), width, tuple(panels)).save(self.sheets, folder.directory, folder.claim)
 
-    def write_report(
-        self, folder: Path, figures: Mapping[str, Figure], page: bool = True, formats: Sequence[str] = ()
-    ) -> dict[str, Any]:
+    def write_report(self, folder: Path, figures: Mapping[str, Figure], page: bool = True) -> dict[str, Any]:
         """Write figures, report.html if it is wanted, and summary.json, whose content comes back."""
         summary = self.summary()
-        save_figures(figures, folder, formats)
+        save_figures(figures, folder)
         content = summary.as_json()
         write_summary(folder / SUMMARY, content)
         if page:

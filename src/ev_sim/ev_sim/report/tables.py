@@ -18,7 +18,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TextIO
 
-from ev_sim.figures.drawing import DPI, Figure
+from ev_sim.figures.panels import DPI
+from ev_sim.figures.sheets import Figure
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.recording import atomic_file
 

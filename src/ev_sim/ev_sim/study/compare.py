@@ -12,8 +12,9 @@ import numpy as np
 from ev_core.methods.register import methods_of
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import unknown_name
-from ev_sim.figures.drawing import Curve, Figure, panel, sheet
 from ev_sim.figures.other_axes import plan_view
+from ev_sim.figures.panels import Curve, Panel, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import handling, motion
 from ev_sim.measures.metric import Metric, NotMeasured, channel
 from ev_sim.recording.recording import Recording
@@ -108,21 +109,22 @@ def tables(given: argparse.Namespace, results: Results) -> str:
     return text_table(COLUMNS, rows, left=COLUMNS[:1])
 
 
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """Paths, and yaw rate, sideslip angle, speed and torque difference over time, all methods one over the other."""
     driven = {name: result.measured for name, result in results.items() if not result.refused}
 
-    def over_time(title: str, ylabel: str, quantity: str):
-        return panel(title, ylabel, lambda: [Curve(m["time"], m[quantity], name) for name, m in driven.items()])
+    def over_time(title: str, ylabel: str, quantity: str, factor: float = 1.0) -> Panel:
+        curves = [Curve(m["time"], factor * m[quantity], readable(name)) for name, m in driven.items()]
+        return Panel(title, ylabel, curves)
 
     panels = [
-        over_time("Yaw rate", "yaw rate [rad/s]", "yaw_rate"),
+        over_time("Yaw rate", "yaw rate [deg/s]", "yaw_rate", math.degrees(1.0)),
         over_time("Sideslip angle", "angle [deg]", "sideslip"),
         over_time("Speed", "speed [m/s]", "speed"),
         over_time("Torque request, right minus left", "torque [N m]", "torque_difference"),
     ]
-    tracks = [Curve(m["x"], m["y"], name) for name, m in driven.items()]
-    return {"overlay": sheet(panels, "time [s]"), "paths": plan_view(f"Paths, {given.scenario}", tracks)}
+    tracks = [Curve(m["x"], m["y"], readable(name)) for name, m in driven.items()]
+    return {"overlay": Sheet(panels), "paths": plan_view(f"Paths, {given.scenario}", tracks)}
 
 
 def _right_minus_left(recording: Recording) -> np.ndarray:

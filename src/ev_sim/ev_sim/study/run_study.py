@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
-from ev_sim.command_line.options import add_outputs, add_overrides, command_of, overrides
+from ev_sim.command_line.options import add_outputs, add_overrides, command_of, overrides, printing
 from ev_sim.command_line.refusal import Parser
-from ev_sim.figures.drawing import Figure
 from ev_sim.figures.saving import figure_files, save_figures
+from ev_sim.figures.sheets import Sheet, drawn
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.outcome import RunFailed, bar_of_runs
 from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SUMMARY
@@ -125,7 +125,7 @@ def _refuse_what_it_sets(case: Case, changed: Iterable[tuple[str, str]]) -> None
 def run_study(name: str, argv: Sequence[str]) -> None:
     """Drive all cases of a study and report; raises what `ev_sim.commands.run_scenario.main` catches."""
     study, given = study_named(name), arguments(name, argv)
-    cases = study_cases(study, given)
+    cases, prints = study_cases(study, given), printing(given)
     out = given.out or Path("results") / name
     rows = KeptRows(out, name, cases, given.anew)
     signals = {case.name: path for case in cases if given.signals and (path := rows.signals_of(case))}
@@ -138,9 +138,10 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         results = {result.name: result for result in driven}
         if all(result.refused for result in driven):
             raise RunFailed(f"none of {len(driven)} runs has a row; {driven[0].name}: {driven[0].refused}")
-        metrics, figures, tables, table = _summed_up(study, given, results)
-        folder.claim(figure_files(figures, given.figures))
-        save_figures(figures, folder.directory, given.figures)
+        metrics, sheets, tables, table = _summed_up(study, given, results)
+        figures = drawn(sheets)
+        folder.claim(figure_files(figures))
+        save_figures(figures, folder.directory)
         content = _summary(name, given, cases, signals, results, metrics, wall_time)
         content["command"] = command_of([name, *argv])
         write_summary(folder.directory / SUMMARY, content)
@@ -152,6 +153,7 @@ def run_study(name: str, argv: Sequence[str]) -> None:
             series = measured_signals({case: result.measured for case, result in results.items()})
             shown = Page(name, {"": content}, series, images_of(figures, folder.directory), tables)
             write_page(shown, folder.directory / PAGE)
+        prints.save(sheets, folder.directory, folder.claim)
     if tables:
         print(tables, end="\n\n")
     print_metrics(metrics)
@@ -194,7 +196,7 @@ def _drive(
 
 def _summed_up(
     study: Study, given: argparse.Namespace, results: Results
-) -> tuple[dict[str, Metric], dict[str, Figure], str, Any]:
+) -> tuple[dict[str, Metric], dict[str, Sheet], str, Any]:
     """Metrics, figures, tables and, if the study has it, the table for files; RunFailed if a case lacks for them."""
     try:
         figures = figures_of(study, given, results)
@@ -207,7 +209,7 @@ def _summed_up(
         raise RunFailed(f"this study needs all of its cases; {lacking.name}: {lacking.refused}") from error
 
 
-def figures_of(study: Study, given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+def figures_of(study: Study, given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """The figures of a study, none if it draws none."""
     return study.figures(given, results) if hasattr(study, "figures") else {}
 

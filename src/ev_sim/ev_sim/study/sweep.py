@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,8 +13,9 @@ import yaml
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.figures.drawing import Figure
-from ev_sim.figures.other_axes import lines_with_bands, maps
+from ev_sim.figures.other_axes import band, colour_map
+from ev_sim.figures.panels import IN_FIGURES, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.metric import Metric, own_metrics
 from ev_sim.recording.recording import Recording
 from ev_sim.report.result import report_for
@@ -147,7 +149,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
     return text_table(columns, texts, left=()) + hint
 
 
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """Over one varied number lines with bands of the seeds, over two maps of the means; nothing over more or texts."""
     varied = variations(given)
     seeds = len(varied.pop(SEED, [0]))
@@ -155,16 +157,18 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     lengths = [len(values) for values in axes.values()]
     if len(axes) != len(varied) or len(axes) not in (1, 2) or min(lengths) < 2:
         return {}
-    columns, rows = table(given, results)
-    found = []
-    for i, column in list(enumerate(columns))[-len(_shown(given, results)) :]:
-        values = np.array([np.nan if row[i] is None else row[i] for row in rows], float)
-        found.append((column, values.reshape(*lengths, seeds)))
-    names, places = list(axes), list(axes.values())
-    if len(axes) == 1:
-        return {"sweep": lines_with_bands(names[0], places[0], found)}
-    means = [(column, values.mean(axis=2)) for column, values in found]
-    return {"sweep": maps(names[1], places[1], names[0], places[0], means)}
+    panels = []
+    for name, unit in _shown(given, results).items():
+        found = [result.measured.get(name) for result in results.values()]
+        values = np.array([math.nan if value is None else value for value in found]).reshape(*lengths, seeds)
+        shown, factor = IN_FIGURES.get(unit, (unit, 1.0))
+        title, quantity, (*y, x) = readable(name), f"{readable(name)} [{shown}]", axes.items()
+        panels.append(
+            colour_map(title, x, y[0], quantity, factor * values.mean(axis=2))
+            if y
+            else band(title, x, quantity, factor * values)
+        )
+    return {"sweep": Sheet(panels)}
 
 
 def _are_numbers(values: Sequence[Any]) -> bool:
