@@ -152,15 +152,14 @@ def driven_here() -> list[str]:
 
 
 def test_overlay_names_every_method_once():
-    """More methods than a panel can name: one legend above, and strokes that differ."""
-    figure = compare.figures(asked(), compared(True))["overlay"]
+    """More methods than a panel can name: one legend above, and colours that differ."""
+    figure = compare.figures(asked(), compared(True))["overlay"].figure()
     (legend,) = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == driven_here()
+    assert [text.get_text().replace(" ", "_") for text in legend.get_texts()] == driven_here()
     assert len(driven_here()) > 4
     for axes in figure.axes:
         assert axes.get_legend() is None
-        strokes = {(line.get_color(), repr(line._unscaled_dash_pattern)) for line in axes.lines}
-        assert len(strokes) == len(driven_here())
+        assert len({line.get_color() for line in axes.lines}) == len(driven_here())
 
 
 def test_a_plant_without_tyres_has_no_slip():

@@ -109,10 +109,13 @@ def _in_turns(panel: Panel, strokes: Mapping[str, Stroke]) -> list[tuple[Curve, 
 
 
 def _is_alike(one: Curve, other: Curve) -> bool:
-    return all(
-        len(a) == len(b) and np.allclose(a, b, rtol=0.0, atol=_ALIKE * float(np.ptp(a)), equal_nan=True)
-        for a, b in ((one.time, other.time), (one.values, other.values))
-    )
+    return all(_are_close(*pair) for pair in ((one.time, other.time), (one.values, other.values)))
+
+
+def _are_close(some: np.ndarray, others: np.ndarray) -> bool:
+    finite = some[np.isfinite(some)]
+    tolerance = _ALIKE * float(np.ptp(finite)) if len(finite) else 0.0
+    return len(some) == len(others) and np.allclose(some, others, rtol=0.0, atol=tolerance, equal_nan=True)
 
 
 def _draw_curve(axes: Axes, curve: Curve, columns: int, stroke: dict[str, Any]) -> None:

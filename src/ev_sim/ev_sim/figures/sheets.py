@@ -12,7 +12,7 @@ from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
 from ev_msgs_py.refusal import unknown_name
-from ev_sim.figures.panels import DPI, Axes, Panel
+from ev_sim.figures.panels import DPI, Axes, Panel, readable
 from ev_sim.figures.strokes import Stroke, strokes_of
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ else:
 STYLE = "ev_sim.figures.journal"
 COLUMN, WIDE, TALLEST = 3.5, 7.2, 9.0  # of a column and a page, and the height of a page [inch]
 _NARROWEST = 2.3  # of a panel that stands beside others [inch]
-_HIGH, _FLAT = 1.35, 0.3  # of the axes of a panel [inch], and of one that is alone, over its width
+_HIGH, _FLAT = 1.15, 0.3  # of the axes of a panel [inch], and of one that is alone, over its width
 _BESIDE, _ABOVE, _BELOW = 0.62, 0.22, 0.36  # of axes: ordinate, title, abscissa with its label [inch]
 
 
@@ -173,7 +173,7 @@ class _Page:
             panel.draw(axes, self.strokes, self._across)
             self._finish(axes, panel, limits, is_last=number + self.columns >= len(panels))
         below = 0.0 if all(panel.xlabel for panel in rows[-1]) else _BELOW
-        figure.set_figheight(sum(map(self.height, rows)) + below + _legend(figure, self.width))
+        figure.set_figheight(sum(map(self.height, rows)) + below + _legend(figure, self.width, list(self.strokes)))
         figure.align_ylabels()
         return figure
 
@@ -193,7 +193,8 @@ class _Page:
             margin = max(0.06 * (high - low), 1e-3 * max(abs(low), abs(high)), 1e-6)  # a constant is no noise
             axes.set_ylim(low - margin, high + margin)
             axes.locator_params(nbins=6)
-        axes.set_ylim(*panel.ends)
+        if panel.ends != (None, None):
+            axes.set_ylim(*panel.ends)
         if panel.note:
             note = axes.text(0.5, 0.5, panel.note, transform=axes.transAxes, ha="center", va="center", color="0.4")
             _wrap(note, self._across)
@@ -206,22 +207,24 @@ def _time_limits(panels: Sequence[Panel], start: float | None) -> tuple[float, f
     return begin, end if end > begin else begin + 1.0
 
 
-def _legend(figure: Figure, width: float) -> float:
-    """One legend for all panels, in as few rows as fit; its height [inch]."""
+def _legend(figure: Figure, width: float, order: Sequence[str]) -> float:
+    """One legend for all panels, names in the order of the report and in as few rows as fit; its height [inch]."""
     entries = {
         label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
     if not entries:
         return 0.0
+    places = {name: place for place, name in enumerate(order)}
+    entries = dict(sorted(entries.items(), key=lambda entry: places.get(readable(entry[0]), len(places))))
 
-    def legend(columns: int):
-        return figure.legend(entries.values(), entries, loc="outside upper center", ncols=columns)
-
-    tried = legend(1)
-    widest = tried.get_window_extent().width / DPI
-    tried.remove()
-    found = legend(max(1, min(len(entries), int(width / widest))))
-    return found.get_window_extent().height / DPI + 0.05
+    for rows in range(1, len(entries) + 1):
+        columns = -(-len(entries) // rows)
+        legend = figure.legend(entries.values(), entries, loc="outside upper center", ncols=columns)
+        box = legend.get_window_extent()
+        if box.width <= width * DPI or columns == 1:
+            break
+        legend.remove()
+    return float(box.height) / DPI + 0.05
 
 
 def _wrap(text: Text, most: float) -> None:

@@ -27,17 +27,19 @@ class Stroke(NamedTuple):
 
 def stroke(number: int) -> Stroke:
     """Of the n-th name: the colours one after the other, then again with other dashes."""
-    return Stroke(HUES[number % len(HUES)], DASHES[(number + number // len(HUES)) % len(DASHES)])
+    again, hue = divmod(number, len(HUES))
+    return Stroke(HUES[hue], DASHES[(hue + again) % len(DASHES)])
 
 
 def strokes_of(labels: Iterable[str]) -> dict[str, Stroke]:
     """A stroke for each name, which labels have with blanks or underscores.
 
     A law has that of its place among the laws of its role, others have the first free ones. So a law looks the same in
-    every figure, unless two roles meet in one report. Names beyond the number of strokes have the same once more.
+    every figure, unless two roles meet in one report. Names beyond the number of strokes have the same once more. What
+    has no name has the first stroke.
     """
     places = {name.replace("_", " "): place for role in _ROLES for place, name in enumerate(methods_of(role))}
-    names = dict.fromkeys(label.replace("_", " ") for label in labels)
+    names = dict.fromkeys(label.replace("_", " ") for label in labels if label)
     found: dict[str, Stroke] = {}
     for name in sorted(names, key=lambda name: name not in places):
         taken, hues = set(found.values()), {each.colour for each in found.values()}
@@ -45,4 +47,4 @@ def strokes_of(labels: Iterable[str]) -> dict[str, Stroke]:
         free = [each for each in of_all if each not in taken] or of_all
         others = [each for each in free if each.colour not in hues] or free
         found[name] = (free if name in places else others)[0]
-    return found
+    return {**{name: found[name] for name in names}, "": stroke(0)}

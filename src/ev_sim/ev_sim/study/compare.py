@@ -18,6 +18,7 @@ from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import handling, motion
 from ev_sim.measures.metric import Metric, NotMeasured, channel
 from ev_sim.recording.recording import Recording
+from ev_sim.report.latex import LOWER
 from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run, load_scenario
 from ev_sim.study.study import Case, Results
@@ -101,6 +102,11 @@ def table(given: argparse.Namespace, results: Results) -> tuple[Sequence[str], l
     """Columns, and for each method that could be driven a row of its quantities."""
     driven = [(name, result.measured) for name, result in results.items() if not result.refused]
     return COLUMNS, [[name, *(_number(measured[quantity]) for quantity in QUANTITIES)] for name, measured in driven]
+
+
+def better(given: argparse.Namespace, results: Results) -> dict[str, str]:
+    """Less of each quantity is better."""
+    return dict.fromkeys(COLUMNS[1:], LOWER)
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:

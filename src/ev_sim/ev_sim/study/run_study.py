@@ -19,6 +19,7 @@ from ev_sim.figures.sheets import Sheet, drawn
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.outcome import RunFailed, bar_of_runs
 from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SUMMARY
+from ev_sim.report.latex import DIGITS
 from ev_sim.report.summary import versions, write_summary
 from ev_sim.report.tables import TABLES, print_metrics, text_table, write_tables
 from ev_sim.running.output_folder import OutputFolder
@@ -42,6 +43,14 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
     add_overrides(parser)
     add_outputs(parser)
+    parser.add_argument(
+        "--digits",
+        type=_positive,
+        default=DIGITS,
+        metavar="N",
+        help="significant ones of table.tex; default: %(default)s",
+    )
+    parser.add_argument("--bold", action="store_true", help="best values of table.tex in bold, where one way is better")
     getattr(study, "add_options", lambda parser: None)(parser)
     return parser.parse_args(argv)
 
@@ -146,7 +155,7 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         content["command"] = command_of([name, *argv])
         write_summary(folder.directory / SUMMARY, content)
         if table is not None:
-            write_tables(folder.directory, *table)
+            write_tables(folder.directory, *table, given.digits, _best(study, given, results))
         if not given.no_report:
             from ev_sim.report.page.writing import Page, images_of, measured_signals, write_page
 
@@ -220,6 +229,11 @@ def printed(study: Study, given: argparse.Namespace, results: Results) -> str:
         return study.tables(given, results)
     table = text_table(study.COLUMNS, study.rows(given, results), left=study.COLUMNS[: getattr(study, "LEFT", 1)])
     return f"{study.HEADING}\n{table}" if hasattr(study, "HEADING") else table
+
+
+def _best(study: Study, given: argparse.Namespace, results: Results) -> Mapping[str, str]:
+    """Which values are better, by the columns of the table that --bold concerns."""
+    return study.better(given, results) if given.bold and hasattr(study, "better") else {}
 
 
 def _print_notes(results: Sequence[CaseResult]) -> None:

@@ -124,6 +124,7 @@ class Study(Protocol):
     # - `tables(given, results)`, the text that is printed above the metrics; without it these are its rows below
     #   COLUMNS, of which the first LEFT ones are set to the left, below a line HEADING if there is one,
     # - `table(given, results)`, whose columns and rows of values are kept as files,
+    # - `better(given, results)`, by column of that table which values are better, `latex.LOWER` or `latex.HIGHER`,
     # - `variations(given)`, by NODE.PARAM the values that it varies itself,
     # - `SHORTEST`, the least simulated time with which there is anything to measure [s].
 
