@@ -1,9 +1,11 @@
-"""Reports of runs that end before anything has happened: not measured, and never an error."""
+"""Reports of runs that end before anything has happened: not measured, never an error, figures laid out for print."""
 
 from __future__ import annotations
 
 import pytest
+from layouts import flaws
 
+from ev_sim.figures.sheets import COLUMN, WIDE, printed
 from ev_sim.recording.offline import run_offline
 from ev_sim.report.result import report_for
 from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
@@ -28,6 +30,8 @@ def test_a_report_bears_any_run(name, duration, values):
     report, vehicle = report_for(name), first["plant"].common.vehicle
     metrics = report.metrics(runs, vehicle, parameters)
     assert metrics
-    assert report.figures(runs, vehicle, parameters) is not None
+    sheets = report.figures(runs, vehicle, parameters)
+    for width in (COLUMN, WIDE):
+        assert {key: found for key, figure in printed(sheets, width).items() if (found := flaws(figure, width))} == {}
     if name == "steady_circle":
         assert all(metric.value is None for key, metric in metrics.items() if key.endswith("_gradient"))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_sim.figures.panels import Axes, Curve, Panel
+from ev_sim.figures.panels import Axes, Curve, Panel, readable
 from ev_sim.figures.sheets import Sheet
 from ev_sim.figures.strokes import HUES, stroke
 
@@ -49,14 +49,20 @@ def number_map(
 
 
 def colour_map(
-    title: str, x: tuple[str, np.ndarray], y: tuple[str, np.ndarray], quantity: str, values: np.ndarray
+    title: str, x: tuple[str, np.ndarray], y: tuple[str, np.ndarray], unit: str, values: np.ndarray
 ) -> Panel:
-    """Values (rows at y, columns at x) as colours, with the bar that says what they mean; label and places of both."""
+    """Values (rows at y, columns at x) as colours of equal cells, with the bar that says what they mean.
+
+    `x` and `y` are label and places.
+    """
 
     def cells(axes: Axes) -> None:
-        across, up = np.argsort(x[1]), np.argsort(y[1])
-        shown = axes.pcolormesh(x[1][across], y[1][up], values[np.ix_(up, across)], shading="nearest")
-        axes.figure.colorbar(shown, ax=axes, label=quantity)
+        shown = axes.pcolormesh(values)
+        for axis, places, most in ((axes.xaxis, x[1], 24), (axes.yaxis, y[1], 48)):
+            names = [f"{place:.3g}" for place in places]
+            every = -(-len(names) * max(map(len, names)) // most)  # letters that have room beside or above each other
+            axis.set_ticks((np.arange(len(names)) + 0.5)[::every], names[::every])
+        axes.figure.colorbar(shown, ax=axes, label=f"[{unit}]")
         _bare(axes)
 
     return Panel(title, y[0], ground=cells, xlabel=x[0], shape=_SHAPE)
@@ -121,9 +127,9 @@ def timing_sheet(timings: Mapping[str, Mapping[str, Any]]) -> Sheet:
         panel
         for name, timing in timings.items()
         for panel in (
-            histograms(f"{name}: period", {"": timing["period"]}),
-            histograms(f"{name}: lateness of steps", {"": timing["lateness"]}),
-            histograms(f"{name}: arrival after the instant was due", timing["arrival"]),
+            histograms(f"{readable(name)}: period", {"": timing["period"]}),
+            histograms(f"{readable(name)}: lateness of steps", {"": timing["lateness"]}),
+            histograms(f"{readable(name)}: arrival after the instant was due", timing["arrival"]),
         )
     ]
     return Sheet(panels, columns=3)

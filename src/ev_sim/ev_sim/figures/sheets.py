@@ -25,7 +25,7 @@ STYLE = "ev_sim.figures.journal"
 COLUMN, WIDE, TALLEST = 3.5, 7.2, 9.0  # of a column and a page, and the height of a page [inch]
 _NARROWEST = 2.3  # of a panel that stands beside others [inch]
 _HIGH, _FLAT = 1.15, 0.3  # of the axes of a panel [inch], and of one that is alone, over its width
-_BESIDE, _ABOVE, _BELOW = 0.62, 0.22, 0.36  # of axes: ordinate, title, abscissa with its label [inch]
+_BESIDE, _ABOVE, _BELOW = 0.72, 0.22, 0.36  # of axes: ordinate, title, abscissa with its label [inch]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,11 +109,11 @@ def _pages(sheet: Sheet, width: float, tallest: float, strokes: Mapping[str, Str
     rows = [panels[n : n + columns] for n in range(0, len(panels), columns)]
     page = _Page(sheet, width, columns, strokes, _spans(panels))
     while rows:
-        figure, count = page.drawn(rows), len(rows)
+        count = page.fitting(rows, tallest)
+        figure = page.drawn(rows[:count])
         if figure.get_figheight() > tallest:
-            room = tallest - figure.get_figheight() + sum(map(page.height, rows))
-            ends = itertools.accumulate(map(page.height, rows))
-            count = max(1, sum(end <= room for end in ends))
+            others = figure.get_figheight() - sum(map(page.height, rows[:count]))  # legend and shared abscissa
+            count = page.fitting(rows[:count], tallest - others)
             figure = page.drawn(rows[:count])
         yield figure
         rows = rows[count:]
@@ -148,6 +148,10 @@ class _Page:
         """Of a row, with titles and labels of its own [inch]."""
         return max(self._axes_height(panel) + _BELOW * bool(panel.xlabel) for panel in row) + _ABOVE
 
+    def fitting(self, rows: Sequence[Sequence[Panel]], room: float) -> int:
+        """How many rows have room [inch], one at least."""
+        return max(1, sum(end <= room for end in itertools.accumulate(map(self.height, rows))))
+
     def _axes_height(self, panel: Panel) -> float:
         alone = _FLAT * self.width if len(self.sheet.panels) == 1 else 0.0
         return panel.shape * self._across if panel.shape else max(_HIGH, alone)
@@ -173,7 +177,7 @@ class _Page:
             panel.draw(axes, self.strokes, self._across)
             self._finish(axes, panel, limits, is_last=number + self.columns >= len(panels))
         below = 0.0 if all(panel.xlabel for panel in rows[-1]) else _BELOW
-        figure.set_figheight(sum(map(self.height, rows)) + below + _legend(figure, self.width, list(self.strokes)))
+        figure.set_figheight(sum(map(self.height, rows)) + below + _legend(figure, self.width, self.strokes))
         figure.align_ylabels()
         return figure
 
@@ -207,14 +211,14 @@ def _time_limits(panels: Sequence[Panel], start: float | None) -> tuple[float, f
     return begin, end if end > begin else begin + 1.0
 
 
-def _legend(figure: Figure, width: float, order: Sequence[str]) -> float:
+def _legend(figure: Figure, width: float, strokes: Mapping[str, Stroke]) -> float:
     """One legend for all panels, names in the order of the report and in as few rows as fit; its height [inch]."""
     entries = {
         label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
     if not entries:
         return 0.0
-    places = {name: place for place, name in enumerate(order)}
+    places = {name: place for place, name in enumerate(strokes)}
     entries = dict(sorted(entries.items(), key=lambda entry: places.get(readable(entry[0]), len(places))))
 
     for rows in range(1, len(entries) + 1):
@@ -224,6 +228,13 @@ def _legend(figure: Figure, width: float, order: Sequence[str]) -> float:
         if box.width <= width * DPI or columns == 1:
             break
         legend.remove()
+    for handle, label in zip(legend.legend_handles, entries, strict=True):
+        if own := strokes.get(readable(label)):
+            handle.set_linestyle(own.dashes)  # also of a curve that takes turns with others
+    if box.width > width * DPI:
+        for text in legend.get_texts():
+            _wrap(text, width - _BESIDE)
+        box = legend.get_window_extent()
     return float(box.height) / DPI + 0.05
 
 

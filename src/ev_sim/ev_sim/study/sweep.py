@@ -162,11 +162,11 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
         found = [result.measured.get(name) for result in results.values()]
         values = np.array([math.nan if value is None else value for value in found]).reshape(*lengths, seeds)
         shown, factor = IN_FIGURES.get(unit, (unit, 1.0))
-        title, quantity, (*y, x) = readable(name), f"{readable(name)} [{shown}]", axes.items()
+        title, (*y, x) = readable(name), axes.items()
         panels.append(
-            colour_map(title, x, y[0], quantity, factor * values.mean(axis=2))
+            colour_map(title, x, y[0], shown, factor * values.mean(axis=2))
             if y
-            else band(title, x, quantity, factor * values)
+            else band(title, x, f"{title} [{shown}]", factor * values)
         )
     return {"sweep": Sheet(panels)}
 

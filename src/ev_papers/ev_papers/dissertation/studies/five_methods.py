@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, SIDES, case_name, roads
-from ev_sim.figures.panels import Axes, Panel
+from ev_sim.figures.panels import Axes, Panel, readable
 from ev_sim.figures.sheets import Sheet
 from ev_sim.figures.strokes import HUES, PUBLISHED
 from ev_sim.measures.metric import Metric, mean_over_seeds
@@ -85,7 +85,12 @@ def efficiency_figure(
         return "method: " + ", ".join(f"{method} {titles[method]}" for method in by_method)
 
     panels = [
-        Panel(f"driver {driver}", "wheel efficiency [1]", ground=partial(ground, by_method=of), xlabel=methods(of))
+        Panel(
+            f"driver {readable(driver)}",
+            "wheel efficiency [1]",
+            ground=partial(ground, by_method=of),
+            xlabel=methods(of),
+        )
         for driver, of in points.items()
     ]
     return Sheet(panels, columns=3)
