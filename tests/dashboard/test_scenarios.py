@@ -54,7 +54,9 @@ def go_to(browser: Browser, fed: FedPage) -> None:
 
 def present(run: Run, names: tuple[str, ...]) -> dict[str, Any]:
     """The numbers of a lesson that a run has, and their values."""
-    values = {f"{node}.{key}": value for node, each in run.configurations.items() for key, value in each.values().items()}
+    values = {
+        f"{node}.{key}": value for node, each in run.configurations.items() for key, value in each.values().items()
+    }
     return {name: values[name] for name in names if name in values}
 
 
@@ -90,7 +92,9 @@ def test_sliders_plots_and_car_stand_beside_each_other(fed, browser, name):
     bar = browser.run("byId('bar').getBoundingClientRect().top")
     assert all(left >= 0 and right <= SCREEN[0] and top >= 0 and bottom <= bar for left, right, top, bottom in places)
     assert browser.run("drawn().length") == 3 and browser.run("drawn()[0].chart.data[0].length") > 3
-    of_car = browser.run("[...document.querySelectorAll('#nodes [data-name^=\"vehicle.\"]')].map((row) => row.dataset.name)")
+    of_car = browser.run(
+        "[...document.querySelectorAll('#nodes [data-name^=\"vehicle.\"]')].map((row) => row.dataset.name)"
+    )
     assert len(of_car) == len({*of_car}) > 50
     browser.run("tellState()")
     assert browser.run("byId('state').textContent").startswith("running")

@@ -420,7 +420,9 @@ def test_a_scenario_may_borrow_a_report_and_bring_metrics(scenario):
 def test_every_scenario_names_five_numbers_of_its_nodes_for_a_lesson(name):
     """A study of their effect is no test: each of them changed the hash of the run when it was chosen."""
     loaded = load_scenario(name)
-    there = {f"{node}.{key}" for run in loaded.runs for node, each in run.configurations.items() for key in each.values()}
+    there = {
+        f"{node}.{key}" for run in loaded.runs for node, each in run.configurations.items() for key in each.values()
+    }
     assert len({*loaded.parameters.lesson}) == 5 and {*loaded.parameters.lesson} <= there
 
 
@@ -428,7 +430,7 @@ def test_every_scenario_names_five_numbers_of_its_nodes_for_a_lesson(name):
     ("named", "said"),
     [
         ("driverr.band", "lesson: unknown node 'driverr'; did you mean driver?"),
-        ("asr", "lesson: unknown number of asr that changes while it runs 'asr'; : "),
+        ("asr", "lesson: unknown number of asr that changes while it runs 'asr'; did you mean asr."),
         ("asr.bandwith", "unknown number of asr that changes while it runs 'asr.bandwith'; did you mean asr.bandwidth"),
         ("driver.speed_profile.speed", "lesson: unknown number of driver that changes while it runs"),  # no number
         ("plant.vehicle.mass", "lesson: unknown number of plant that changes while it runs"),  # fixed
