@@ -18,6 +18,7 @@ from ev_sim.scenarios.scenario import Overrides, Run, load_scenario, scenario_na
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(FOUND is None, reason="no Chromium on this machine")]
 SECONDS = 0.1  # that are driven: ten rows at least
 SCREEN, PHONE = (1280, 800), (390, 844)
+STATE = "came = performance.now(); tellState(); byId('state').textContent"
 PLACES = """[...document.querySelectorAll('#lesson .parameter, #cars canvas, #beside .uplot')].map((each) => {
   const box = each.getBoundingClientRect();
   return [box.left, box.right, box.top, box.bottom];
@@ -96,12 +97,10 @@ def test_sliders_plots_and_car_stand_beside_each_other(fed, browser, name):
         "[...document.querySelectorAll('#nodes [data-name^=\"vehicle.\"]')].map((row) => row.dataset.name)"
     )
     assert len(of_car) == len({*of_car}) > 50
-    browser.run("tellState()")
-    assert browser.run("byId('state').textContent").startswith("running")
+    assert browser.run(STATE) == f"running, {SECONDS:g} s in all"
     fed.end()
     browser.wait_for(f"live.times.at(-1) > {SECONDS} - 1e-9")
-    browser.run("tellState()")
-    assert browser.run("byId('state').textContent") == f"The manoeuvre is over since {SECONDS:g} s."
+    assert browser.run(STATE) == f"The manoeuvre is over since {SECONDS:g} s."
     browser.resize(*PHONE)
     browser.wait_for(f"drawn().every((plot) => plot.chart.width < {PHONE[0]})")
     assert browser.run("document.documentElement.scrollWidth - document.documentElement.clientWidth") == 0
@@ -115,9 +114,7 @@ def test_a_run_may_last_longer_than_the_manoeuvre(fed, browser):
     shown(fed, browser, run)
     fed.end()
     browser.wait_for(f"live.times.at(-1) > {SECONDS} - 1e-9")
-    browser.run("tellState()")
-    said = browser.run("byId('state').textContent")
-    assert said == "The manoeuvre is over since 0.05 s; the car drives on up to 0.1 s, Reset begins again."
+    assert browser.run(STATE) == "The manoeuvre is over since 0.05 s; the car drives on up to 0.1 s, Reset begins again."
 
 
 def test_a_slider_goes_on_about_the_value_at_its_end(fed, browser):
