@@ -38,7 +38,7 @@ def atomic_file(path: Path | str, replaces: bool = False) -> Iterator[IO[bytes]]
                 unfinished.replace(path)
             finally:
                 unfinished.unlink(missing_ok=True)
-    except OSError as error:  # what has no room on the disk says not where
+    except OSError as error:  # a full disk gives no file name
         if error.errno is None or error.filename is not None:
             raise
         raise OSError(error.errno, error.strerror, str(path)) from None
@@ -98,7 +98,7 @@ class Recording:
 def recording_of(frames: np.ndarray, topics: Iterable[Topic]) -> Recording:
     """The channels of some topics in a stack of frames (instants, frame size), each in one piece of memory.
 
-    Whoever reads a channel would else fetch all the others with it.
+    Reading one channel would otherwise fetch all the others with it.
     """
     series = np.empty(frames.shape[::-1])
     for begin in range(0, len(frames), _BLOCK):
