@@ -13,6 +13,8 @@ import pytest
 import release
 import yaml
 
+import ev_sim
+
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("ev_control", "ev_core", "ev_msgs_py", "ev_papers", "ev_sim")
 SCRIPTS = sorted([*ROOT.glob("scripts/*.sh"), ROOT / ".ci" / "run"])
@@ -27,12 +29,12 @@ def test_colcon_knows_every_package_as_ament_python():
 
 
 def test_versions_agree():
-    versions = set(re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE))
-    for package in PACKAGES:
-        folder = ROOT / "src" / package
-        versions.add(ElementTree.parse(folder / "package.xml").findtext("version"))
-        versions.update(re.findall(r'version="([^"]+)"', (folder / "setup.py").read_text()))
-    assert len(versions) == 1
+    """ROS reads that of each package in package.xml, and so does setup.py; the changelog names the latest one first."""
+    versions = {ElementTree.parse(ROOT / "src" / package / "package.xml").findtext("version") for package in PACKAGES}
+    versions.update(re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE))
+    versions.update(re.findall(r"^## \[(\d.*)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[:1])
+    assert versions == {ev_sim.__version__}
+    assert not any(ev_sim.__version__ in (ROOT / "src" / package / "setup.py").read_text() for package in PACKAGES)
 
 
 def test_a_release_moves_all_versions_and_gives_its_notes(tmp_path, capsys):

@@ -65,7 +65,7 @@ _LITTLE_ENDIAN = np.dtype("<f8")
 _BLOCK = 256  # instants that are turned over at once: they fit into the cache, as frames and as series
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """Everything that was sent in one run, sampled at the instants of the steps.
 
@@ -88,6 +88,9 @@ class Recording:
                 raise ValueError(
                     f"{name} must be float64 of shape ({len(self.time)},), not {values.dtype} of shape {values.shape}"
                 )
+
+    def __repr__(self) -> str:
+        return f"Recording of {len(self.channels)} channels at {len(self.time)} instants in {self.duration:g} s"
 
     @property
     def duration(self) -> float:
