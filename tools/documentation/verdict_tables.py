@@ -60,7 +60,7 @@ def _sorts(page: str) -> dict[str, str]:
 
 
 def _table_of_kinds(sorts: Mapping[str, str]) -> str:
-    """What is reproduced by kind, and how many different numbers of the source that are: one may stand in several tables.
+    """What is reproduced by kind, and how many different numbers of the source: one may stand in several tables.
 
     Words have none: what they are held against is a threshold of ours.
     """
