@@ -6,7 +6,7 @@ The graph knows the node of a report, and any node may take that name.
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -155,10 +155,8 @@ class LiveFrames:
         return [*self._shown]
 
     def layout(self) -> dict[str, Any]:
-        """The columns of the rows after the time, how they are plotted together, and the car."""
-        plotted = [name for name in self.columns if not name.startswith(PREFIX)]
-        car = None if self.vehicle is None else car_of(self.vehicle)
-        return {"kind": "layout", "channels": self.columns, "groups": groups_of(plotted), "car": car}
+        """The message that lays a page out for its rows."""
+        return layout_message(self.columns, self.vehicle)
 
     @property
     def values(self) -> dict[str, float]:
@@ -172,3 +170,10 @@ class LiveFrames:
     def _channels(self) -> dict[str, np.ndarray]:
         run: Recording = recording_of(self._numbers, [TOPICS[signal] for signal in self._heard])
         return {**run.channels, **(view_channels(run, self.vehicle) if self.vehicle else {})}
+
+
+def layout_message(columns: Sequence[str], vehicle: Vehicle | None) -> dict[str, Any]:
+    """The message with the channels of a row after its time, how they are plotted together, and the car."""
+    plotted = [name for name in columns if not name.startswith(PREFIX)]
+    car = None if vehicle is None else car_of(vehicle)
+    return {"kind": "layout", "channels": [*columns], "groups": groups_of(plotted), "car": car}
