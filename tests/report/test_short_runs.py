@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from layouts import flaws
 
-from ev_sim.figures.sheets import COLUMN, WIDE, printed
+from ev_sim.figures.sheets import COLUMN, printed
 from ev_sim.recording.offline import run_offline
 from ev_sim.report.result import report_for
 from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
@@ -30,8 +30,7 @@ def test_a_report_bears_any_run(name, duration, values):
     report, vehicle = report_for(name), first["plant"].common.vehicle
     metrics = report.metrics(runs, vehicle, parameters)
     assert metrics
-    sheets = report.figures(runs, vehicle, parameters)
-    for width in (COLUMN, WIDE):
-        assert {key: found for key, figure in printed(sheets, width).items() if (found := flaws(figure, width))} == {}
+    pages = printed(report.figures(runs, vehicle, parameters), COLUMN)
+    assert {key: found for key, page in pages.items() if (found := flaws(page, COLUMN))} == {}
     if name == "steady_circle":
         assert all(metric.value is None for key, metric in metrics.items() if key.endswith("_gradient"))

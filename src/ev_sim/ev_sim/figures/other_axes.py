@@ -25,7 +25,7 @@ def contours(
     return Panel(title, y[0], ground=lines, xlabel=x[0], shape=_SHAPE)
 
 
-_FINE, _BEYOND = "#CFE3F0", "#E8A27C"  # below and from the limit on; the number in the cell says how far
+_FINE, _BEYOND = "#CFE3F0", "#E8A27C"  # below and from the limit on; the number in the cell is the distance
 
 
 def number_map(
@@ -51,7 +51,7 @@ def number_map(
 def colour_map(
     title: str, x: tuple[str, np.ndarray], y: tuple[str, np.ndarray], unit: str, values: np.ndarray
 ) -> Panel:
-    """Values (rows at y, columns at x) as colours of equal cells, with the bar that says what they mean.
+    """Values (rows at y, columns at x) as colours of equal cells, with their colour bar.
 
     `x` and `y` are label and places.
     """
@@ -98,8 +98,8 @@ def plan_view(
 ) -> Sheet:
     """Tracks, y over x [m], along and across to the same scale.
 
-    A course that would be too narrow to be seen is drawn larger across, and its title says how much. `cones` (n, 2)
-    [m] are drawn as rings, filled where `hit` (n,) says so.
+    A course that would be too narrow to be seen is drawn larger across, and its title gives the factor. `cones` (n, 2)
+    [m] are drawn as rings, filled where `hit` (n,).
     """
     places = [np.column_stack((track.time, track.values)) for track in tracks]
     places = np.concatenate([*places, *([] if cones is None else [cones])])

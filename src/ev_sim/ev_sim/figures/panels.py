@@ -1,4 +1,4 @@
-"""What the panels of a figure show: curves over time or over another quantity, with what the source says."""
+"""What the panels of a figure show: curves over time or over another quantity, beside those of the source."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _PIECE = 4.0  # of each of them, where they are drawn in turns [pt]
 class Curve:
     """Samples (n,) over time (n,) [s]; the label names the curve where a panel holds several.
 
-    `published`: what the source says, not a run.
+    `published`: from the source, not from a run.
     """
 
     time: np.ndarray
@@ -40,11 +40,11 @@ class Curve:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Panel:
-    """One pair of axes: `ylabel` gives quantity and unit, `note` says why there is nothing to see.
+    """One pair of axes: `ylabel` gives quantity and unit, `note` the reason why there is nothing to see.
 
     Panels of a sheet with the same `scale` have the same ordinate. `within`: the ends beyond which a curve may leave
     the panel, so that the others are seen; `ends`: those of the ordinate, None where the curves give them.
-    `ground` draws what lies below the curves, or all there is. Its names of artists stand in the legend.
+    `ground` draws what lies below the curves, or all there is; what it labels stands in the legend.
     `xlabel` is that of the sheet if it is empty. `shape`: height over width, 0 for that of curves over time.
     """
 

@@ -25,6 +25,7 @@ STYLE = "ev_sim.figures.journal"
 COLUMN, WIDE, TALLEST = 3.5, 7.2, 9.0  # of a column and a page, and the height of a page [inch]
 _NARROWEST = 2.3  # of a panel that stands beside others [inch]
 _HIGH, _FLAT = 1.15, 0.3  # of the axes of a panel [inch], and of one that is alone, over its width
+_TICKS = 5.0  # of an ordinate, at most [1/inch]
 _BESIDE, _ABOVE, _BELOW = 0.72, 0.22, 0.36  # of axes: ordinate, title, abscissa with its label [inch]
 
 
@@ -196,7 +197,8 @@ class _Page:
             low, high = span
             margin = max(0.06 * (high - low), 1e-3 * max(abs(low), abs(high)), 1e-6)  # a constant is no noise
             axes.set_ylim(low - margin, high + margin)
-            axes.locator_params(nbins=6)
+        if panel.curves:
+            axes.locator_params(axis="y", nbins=max(2, int(_TICKS * self._axes_height(panel))))
         if panel.ends != (None, None):
             axes.set_ylim(*panel.ends)
         if panel.note:
