@@ -89,7 +89,7 @@ def band(title: str, x: tuple[str, np.ndarray], quantity: str, values: np.ndarra
     return Panel(title, quantity, ground=lines, xlabel=x[0])
 
 
-_LOWEST, _HIGHEST = 0.16, 0.6  # of a plan view: height over width
+_LOWEST, _HIGHEST = 0.25, 0.6  # of a plan view: height over width
 _MAGNIFIED = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # times that a narrow course is drawn across
 
 
@@ -99,7 +99,7 @@ def plan_view(
     """Tracks, y over x [m], along and across to the same scale.
 
     A course that would be too narrow to be seen is drawn larger across, and its title gives the factor. `cones` (n, 2)
-    [m] are drawn as rings, filled where `hit` (n,).
+    [m] are drawn as rings, filled where `hit` (n,) is true.
     """
     places = [np.column_stack((track.time, track.values)) for track in tracks]
     places = np.concatenate([*places, *([] if cones is None else [cones])])

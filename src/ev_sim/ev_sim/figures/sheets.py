@@ -27,6 +27,7 @@ _NARROWEST = 2.3  # of a panel that stands beside others [inch]
 _HIGH, _FLAT = 1.15, 0.3  # of the axes of a panel [inch], and of one that is alone, over its width
 _TICKS = 5.0  # of an ordinate, at most [1/inch]
 _BESIDE, _ABOVE, _BELOW = 0.72, 0.22, 0.36  # of axes: ordinate, title, abscissa with its label [inch]
+_LINE = 0.13  # of a title [inch]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,12 +174,16 @@ class _Page:
         grid = figure.add_gridspec(len(rows), self.columns, height_ratios=[self.height(row) for row in rows])
         panels = [panel for row in rows for panel in row]
         limits = _time_limits(self.sheet.panels, self.sheet.start)
+        lines = [0] * len(rows)  # of the longest title beyond its first one
         for number, panel in enumerate(panels):
-            axes = figure.add_subplot(grid[divmod(number, self.columns)])
+            row, column = divmod(number, self.columns)
+            axes = figure.add_subplot(grid[row, column])
             panel.draw(axes, self.strokes, self._across)
             self._finish(axes, panel, limits, is_last=number + self.columns >= len(panels))
+            lines[row] = max(lines[row], axes.get_title(loc="left").count("\n"))
         below = 0.0 if all(panel.xlabel for panel in rows[-1]) else _BELOW
-        figure.set_figheight(sum(map(self.height, rows)) + below + _legend(figure, self.width, self.strokes))
+        height = sum(map(self.height, rows)) + _LINE * sum(lines) + below
+        figure.set_figheight(height + _legend(figure, self.width, self.strokes))
         figure.align_ylabels()
         return figure
 

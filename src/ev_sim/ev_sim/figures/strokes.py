@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 from ev_core.methods.register import methods_of
 
-# Okabe and Ito's colours, then those of Tol's muted scheme that are unlike them: both can be distinguished with every kind
-# of colour vision. The dashes differ in grey, and let a curve be seen under another one.
+# Okabe and Ito's colours, then those of Tol's muted scheme that are unlike them: both can be distinguished with every
+# kind of colour vision. The dashes differ in grey, too, and let a curve be seen under another one.
 HUES = (
     *("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#7F7F7F"),
     *("#332288", "#882255", "#999933", "#117733", "#AA4499", "#CC6677", "#44AA99", "#DDCC77"),
