@@ -39,7 +39,11 @@ setup(
     maintainer_email="maintainers@ev-control-stack.org",
     license="Apache-2.0",
     packages=find_packages(exclude=["test"]),
-    package_data={"ev_sim": CONFIG, "ev_sim.report.page": ["templates/*", "vendor/*"]},
+    package_data={
+        "ev_sim": CONFIG,
+        "ev_sim.report.page": ["templates/*", "vendor/*"],
+        "ev_sim.export": ["templates/*"],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_sim"]),
         ("share/ev_sim", ["package.xml"]),
