@@ -1,7 +1,7 @@
 """A function `step` as an object file for another processor than this one, with the same bits.
 
-The compiler's text of a function (LLVM) is the same for all processors. It is taken before its machine code is made, and
-without the frame by which Python calls it. So an object file calls nothing but what `Processor.may_call` lists.
+The compiler's text of a function (LLVM) is the same for all processors. It is taken before machine code is made of it,
+and without the frame by which Python calls it. So an object file calls nothing but what `Processor.may_call` lists.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from ev_core.compiling.object_symbols import calls
 from ev_core.compiling.user_cache import alone, read_checked, write_checked
 from ev_msgs_py.refusal import ParameterError
 
-# Exact in every C library: what fills memory, and what takes a number's exponent apart or changes it.
-_EVERYWHERE = frozenset(("memset", "frexp", "ldexp"))
+# Exact in every C library: what fills memory, takes a number's exponent apart or changes it, and a remainder.
+_EVERYWHERE = frozenset(("memset", "frexp", "ldexp", "fmod"))
 _PAGES = "___chkstk_ms"  # touches the pages of a large frame one by one, as Windows asks for
 # What C compilers bring for 32-bit Arm: memory, integers of 64 bits and their conversions, all exact. And what these
 # processors have no instruction for.

@@ -23,7 +23,7 @@ class Restart:
     error: BaseException | None = None
     state = None  # nothing lasts but that of the part
 
-    def __init__(self, part: Any, ends: Collection[int], period: float) -> None:
+    def __init__(self, part: Any, ends: Collection[float], period: float) -> None:
         self._part, self._period = part, period
         self._first = copy.deepcopy(part.state)
         self._ends = ends
@@ -129,7 +129,7 @@ def rows_of(configuration: Configuration) -> list[SensorRow | FaultRow]:
     return rows
 
 
-def restarts(configuration: Configuration) -> list[int]:
+def restarts(configuration: Configuration) -> list[float]:
     """The instants, in control periods, at which the program of a role begins anew."""
     period, faults = configuration.common.control_period, of_signals(configuration.faults)
     return sorted({fault.periods(period)[1] for fault in faults if fault.kind == "restarted"})
