@@ -188,6 +188,30 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
 
 
 @inlined
+def push_at_wheels(p: PlanarParameters, car: Car, body: BodyConstants, y: Row, step: Step) -> None:
+    """Add to the torques at the wheels what the imposed speed asks of mass and drag [N], as driver and brakes would."""
+    vx = y[state.VX]
+    force = car.mass * (step.imposed_acceleration - y[state.YAW_RATE] * y[state.VY] - step.gravity_x)
+    force += body.drag * abs(vx) * vx
+    for i in range(4):
+        step.pushed[i] = 0.0
+        if force * vx >= 0.0:
+            step.pushed[i] = step.radius[i] * force * car.driven[i] / max(car.number_driven, 1.0)
+            step.drive[i] += step.pushed[i]
+        else:
+            share = p.imposed_front_braking if i < 2 else 1.0 - p.imposed_front_braking
+            step.brake[i] += 0.5 * step.radius[i] * abs(force) * share
+
+
+@inlined
+def book_push(y: Row, step: Step) -> None:
+    """Take what `push_at_wheels` added out of the drive torques of a step, whose work is that of the motors."""
+    for i in range(4):
+        y[state.HOLDING_WORK] -= step.pushed[i] * step.turned[i]
+        step.drive[i] -= step.pushed[i]
+
+
+@inlined
 def decide_motion(step: Step, i: int, wheel_speed: float, torque: float, dry: float) -> None:
     """Which direction dry friction opposes at wheel i during this step (Coulomb's law, set-valued at rest).
 
