@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ev_core.lockstep.configuration import Configuration, configure
+from ev_core.lockstep.graph import check_graph
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.batch import batch
 from ev_sim.measured.record import (
@@ -21,10 +22,12 @@ from ev_sim.measured.record import (
     YAW_RATE,
     MeasuredRecord,
 )
+from ev_sim.scenarios.about import vehicle_file
+from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.scenario import Overrides
 
 COMPARED = {YAW_RATE: "rad/s", SIDESLIP: "rad", LATERAL: "m/s", LATERAL_ACCELERATION: "m/s2"}
 HOLD = 0.2  # [s], ten times the lag of the loads: wheels, carcasses and loads settle while the body is held
-ROLES = ("plant", "steering_column", "driver", "electronic_differential", "asr")
 
 
 @dataclass(frozen=True)
@@ -67,17 +70,37 @@ def windows_of(record: MeasuredRecord, length: float, begin: float = 0.0, end: f
     return Windows(np.array(first), size)
 
 
-def graph(vehicle: Mapping[str, Any], period: float, plant: Mapping[str, Any]) -> dict[str, Configuration]:
-    """The plant with imposed speed and road-wheel angle, and what the graph needs besides, at rest."""
-    common = {"control_period": period, **vehicle}
-    own: dict[str, dict[str, Any]] = {
-        "plant": {"method": "planar", "speed": "imposed", "initial_hold": HOLD, **plant},
-        "steering_column": {"method": "imposed"},
-        "driver": {"method": "manoeuvre", "pedals.begin": True},
-        "electronic_differential": {"method": "equal_torque"},
-        "asr": {"method": "off"},
-    }
-    return {role: configure(role, {**common, **own[role]}) for role in ROLES}
+_OWN: Mapping[str, Mapping[str, Any]] = {
+    "plant": {"method": "planar", "speed": "imposed", "imposed_at": "wheels", "initial_hold": HOLD},
+    "steering_column": {"method": "imposed"},
+    "driver": {"method": "manoeuvre", "pedals.begin": True},
+    "electronic_differential": {"method": "equal_torque"},
+    "asr": {"method": "off"},
+}
+
+
+def graph(vehicle: str, period: float, changed: Overrides | None = None) -> dict[str, Configuration]:
+    """A car whose speed and road-wheel angle are imposed, and what the graph needs besides, which stays at rest.
+
+    `vehicle` is a name or a path. ParameterError, in one line, for what is refused.
+    """
+    changed = changed or Overrides()
+    files = [vehicle_file(vehicle), *map(ParameterFile, changed.files)]
+    for node, key, _ in changed.values:
+        if node not in ("*", *_OWN):
+            raise ParameterError(f"{node}.{key} is refused: an open-loop replay has {', '.join(_OWN)}")
+    configurations = {}
+    for role, own in _OWN.items():
+        values = {"control_period": period, **own}
+        for file in files:
+            values |= file.values_for(f"/ev/{role}")
+        values |= {key: value for node, key, value in changed.values if node in ("*", role)}
+        try:
+            configurations[role] = configure(role, values)
+        except ParameterError as error:
+            raise ParameterError(f"{role}: {error}") from None
+    check_graph(configurations)
+    return configurations
 
 
 class OpenLoop:
@@ -92,13 +115,12 @@ class OpenLoop:
         self,
         record: MeasuredRecord,
         windows: Windows,
-        vehicle: Mapping[str, Any],
-        plant: Mapping[str, Any] | None = None,
+        configurations: Mapping[str, Configuration],
         signals: Sequence[str] = (LATERAL, YAW_RATE, LATERAL_ACCELERATION),
     ) -> None:
         self.record, self.windows = record, windows
         self._signals = (*dict.fromkeys((LONGITUDINAL, *signals)),)
-        self.configurations = graph(vehicle, record.period, plant or {})
+        self.configurations = configurations
         self._lead = round(HOLD / record.period)
         size = self._lead + windows.size
         ahead = windows.first[:, None] + np.arange(-self._lead, windows.size)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import lzma
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -30,6 +29,7 @@ UNITS = {
     **{"rad": 1.0, "deg": np.pi / 180, "rad/s": 1.0, "deg/s": np.pi / 180, "rpm": np.pi / 30},
     **{"m/s2": 1.0, "g": 9.80665, "N": 1.0, "kN": 1e3, "N m": 1.0, "degC": 1.0, "kPa": 1e3, "cm": 1e-2, "W": 1.0},
 }
+_LONGEST_SPIKE = 10  # instants in which a signal that has jumped away has to be back, else it has jumped for good
 _FLIPPED = (YAW_RATE, "imu.yaw_rate", LATERAL, LATERAL_ACCELERATION, ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE, SIDESLIP)
 
 
@@ -39,7 +39,9 @@ class ColumnParameters:
 
     column: str = setting("", about="its name in the header of the file")
     unit: str = setting("1", choices=tuple(UNITS), about="of the numbers of the column")
-    sign: float = setting(1.0, unit="1", low=-1.0, high=1.0, about="-1 for a sensor that is mounted the other way round")
+    sign: float = setting(
+        1.0, unit="1", low=-1.0, high=1.0, about="-1 for a sensor that is mounted the other way round"
+    )
     frame: str = setting(
         "iso", choices=("iso", "sae"), about="axes; iso: y to the left, z up (REP-103); sae: y to the right, z down"
     )
@@ -52,7 +54,11 @@ class MaskParameters:
     """Where a record is not believed."""
 
     steering_rate: float = parameter(
-        3.0, unit="rad/s", low=0.01, high=100.0, about="of the road wheels; a faster change is a jump of the sensor"
+        3.0,
+        unit="rad/s",
+        low=0.01,
+        high=100.0,
+        about="of the road wheels, of the steering wheel 16 times as much; a faster change is a jump",
     )
     bridge: float = parameter(
         0.05, unit="s", low=0.0, high=1.0, about="of jumps and gaps up to this length the inputs are interpolated"
@@ -92,17 +98,17 @@ def read_columns(path: Path) -> tuple[dict[str, np.ndarray], str]:
     try:
         content = read_data(path, SIGNALS)
         text = lzma.LZMADecompressor().decompress(content, SIGNALS) if path.suffix == ".xz" else content
-        with io.TextIOWrapper(io.BytesIO(text), "utf-8-sig") as lines:
-            header = [cell.strip() for cell in lines.readline().split(",")]
-            rows = np.genfromtxt(lines, delimiter=",", ndmin=2)
+        header, *lines = text.decode("utf-8-sig").splitlines() or [""]
+        names = [cell.strip() for cell in header.split(",")]
+        rows = np.genfromtxt(lines, delimiter=",", ndmin=2) if any(map(str.strip, lines)) else np.empty((0, len(names)))
     except OSError as error:
         raise ParameterError(f"{path}: {error.strerror or error}") from None
     except (lzma.LZMAError, ValueError, UnicodeDecodeError) as error:
         reason = " ".join(str(error).split())[:200]
         raise ParameterError(f"{path} is no CSV table of at most {SIGNALS // MEGABYTE} MB: {reason}") from None
-    if rows.shape[1] != len(header) or len(set(header)) < len(header):
-        raise ParameterError(f"{path}: the header names {len(header)} columns, the rows have {rows.shape[1]}")
-    return dict(zip(header, rows.T, strict=True)), hashlib.sha256(content).hexdigest()
+    if rows.shape[1] != len(names) or len(set(names)) < len(names):
+        raise ParameterError(f"{path}: the header names {len(names)} columns, the rows have {rows.shape[1]}")
+    return dict(zip(names, rows.T, strict=True)), hashlib.sha256(content).hexdigest()
 
 
 def read_record(path: Path, mapping: Path) -> MeasuredRecord:
@@ -197,10 +203,14 @@ def _move_to_centre(channels: dict[str, np.ndarray], said: Mapping[str, ColumnPa
 def _jumps(values: np.ndarray, limit: float) -> np.ndarray:
     """Where a series jumps away, up to where it is back; a jump that does not come back is one instant."""
     jumped = np.zeros(len(values), bool)
-    edges = np.flatnonzero(np.abs(np.diff(values)) > limit)
-    for first, second in zip(edges, [*edges[1:], len(values)], strict=True):
-        back = second - first <= 10 and abs(values[min(second + 1, len(values) - 1)] - values[first]) < 3 * limit
-        jumped[first + 1 : second + 1 if back else first + 2] = True
+    behind = 0
+    for edge in np.flatnonzero(np.abs(np.diff(values)) > limit):
+        if edge < behind:
+            continue
+        after = values[edge + 1 : edge + 2 + _LONGEST_SPIKE]
+        back = np.flatnonzero(np.abs(after - values[edge]) < 3.0 * limit)
+        behind = edge + 1 + (int(back[0]) if len(back) else 1)
+        jumped[edge + 1 : behind] = True
     return jumped
 
 

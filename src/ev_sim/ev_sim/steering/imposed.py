@@ -22,7 +22,11 @@ class ImposedAngleParameters:
     scale: float = setting(1.0, unit="1", low=0.5, high=2.0, about="true angle over the given one")
     offset: float = setting(0.0, unit="rad", low=-0.1, high=0.1, about="added to the scaled angle", lateral=True)
     delay: float = setting(
-        0.0, unit="s", low=-0.5, high=0.5, about="by which the true angle is later than the given one; negative: earlier"
+        0.0,
+        unit="s",
+        low=-0.5,
+        high=0.5,
+        about="by which the true angle is later than the given one; negative: earlier",
     )
 
     def __post_init__(self) -> None:
@@ -42,9 +46,7 @@ def angles(parameters: ImposedAngleParameters, vehicle: Vehicle, period: float) 
 
 
 @compilable
-def shown(
-    p: ImposedAngleParameters, car: Car, c: Profile, s: ImposedAngleState, period: float
-) -> SteeringColumnState:
+def shown(p: ImposedAngleParameters, car: Car, c: Profile, s: ImposedAngleState, period: float) -> SteeringColumnState:
     """The angle at this instant, and the rate that leads to that of the next one; no hand torque is known."""
     now = s.periods * period - p.delay
     angle = p.scale * value_at(c, now) + p.offset

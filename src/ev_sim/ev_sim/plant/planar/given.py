@@ -76,7 +76,7 @@ class PlanarParameters(DriveParameters):
         unit="s",
         low=0.0,
         high=10.0,
-        about="lateral velocity and yaw rate stay those of the start so long, while wheels, carcasses and loads settle: "
+        about="so long lateral velocity and yaw rate stay those of the start, while wheels, carcasses and loads settle: "
         "a run may begin in the middle of a bend",
     )
     initial_drive_torque: tuple[float, ...] = parameter(
@@ -100,9 +100,9 @@ class PlanarParameters(DriveParameters):
     imposed_at: str = setting(
         "body",
         choices=IMPOSED_AT,
-        about="where what `imposed` needs acts; wheels: the tyres carry the force that mass and drag ask for, by torques "
-        "at the driven wheels while it drives and at all of them while it brakes, besides those of motors and brakes; "
-        "only the rest acts on the body",
+        about="where the force acts that `imposed` needs; wheels: the tyres carry what mass and drag ask for, by torques "
+        "at the driven wheels while it drives and at all of them while it brakes, besides those of motors and brakes, "
+        "as far as side forces leave them friction; only the rest acts on the body",
     )
     imposed_front_braking: float = setting(
         0.6, unit="1", low=0.0, high=1.0, about="share of the front axle in the force that brakes at the wheels"

@@ -17,7 +17,15 @@ from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar import shown
 from ev_sim.plant.planar.body import book_push, integrate, push_at_wheels, steer
 from ev_sim.plant.planar.contact import find_road
-from ev_sim.plant.planar.given import AT_WHEELS, SPEED_IMPOSED, PlanarParameters, deflate, delay_commands, find_faults, load_files
+from ev_sim.plant.planar.given import (
+    AT_WHEELS,
+    SPEED_IMPOSED,
+    PlanarParameters,
+    deflate,
+    delay_commands,
+    find_faults,
+    load_files,
+)
 from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
 from ev_sim.profiles.profile import value_at
