@@ -76,8 +76,8 @@ class PlanarParameters(DriveParameters):
         unit="s",
         low=0.0,
         high=10.0,
-        about="so long lateral velocity and yaw rate stay those of the start, while wheels, carcasses and loads settle: "
-        "a run may begin in the middle of a bend",
+        about="so long lateral velocity and yaw rate stay those of the start, and wheels, carcasses and loads settle: a "
+        "run may begin in the middle of a bend",
     )
     initial_drive_torque: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0, 0.0),
@@ -100,8 +100,8 @@ class PlanarParameters(DriveParameters):
     imposed_at: str = setting(
         "body",
         choices=IMPOSED_AT,
-        about="where the force acts that `imposed` needs; wheels: the tyres carry what mass and drag ask for, by torques "
-        "at the driven wheels while it drives and at all of them while it brakes, besides those of motors and brakes, "
+        about="where the force acts that `imposed` needs; wheels: the tyres carry what mass and drag ask for, by "
+        "torques at the driven wheels while it drives and at all of them while it brakes, besides those of motors and brakes, "
         "as far as side forces leave them friction; only the rest acts on the body",
     )
     imposed_front_braking: float = setting(
