@@ -72,12 +72,7 @@ class PlanarParameters(DriveParameters):
     )
     initial_yaw_rate: float = setting(0.0, unit="rad/s", low=-10.0, high=10.0, about="at the start", lateral=True)
     initial_hold: float = setting(
-        0.0,
-        unit="s",
-        low=0.0,
-        high=10.0,
-        about="so long lateral velocity and yaw rate stay those of the start, and wheels, carcasses and loads settle: a "
-        "run may begin in the middle of a bend",
+        0.0, unit="s", low=0.0, high=10.0, about="so long both of these stay, and wheels, carcasses and loads settle"
     )
     initial_drive_torque: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0, 0.0),
@@ -100,9 +95,8 @@ class PlanarParameters(DriveParameters):
     imposed_at: str = setting(
         "body",
         choices=IMPOSED_AT,
-        about="where the force acts that `imposed` needs; wheels: the tyres carry what mass and drag ask for, by "
-        "torques at the driven wheels while it drives and at all of them while it brakes, besides those of motors and brakes, "
-        "as far as side forces leave them friction; only the rest acts on the body",
+        about="where the force of `imposed` acts; wheels: what mass and drag ask for at the driven wheels, or all that "
+        "brake, as far as side forces leave friction, beside motors and brakes; only the rest acts on the body",
     )
     imposed_front_braking: float = setting(
         0.6, unit="1", low=0.0, high=1.0, about="share of the front axle in the force that brakes at the wheels"
