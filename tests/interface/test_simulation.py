@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import ev_sim
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
+from ev_sim.interface.driving import only_run, overrides
 from ev_sim.recording.recording import signal_hash
 
 NOISE = {"plant.sensors.imu_yaw_rate.noise": 0.01}
@@ -50,7 +51,7 @@ def test_ones_own_torque_split_gives_the_bits_of_the_built_in_one(inside):
 
 
 def test_a_fault_of_the_plant_strikes_at_the_instants_of_a_run():
-    """The plant writes the next instant, and so does the fault behind it: one period early is another signal."""
+    """The plant writes the next instant, and so does the fault behind it: one period late is another signal."""
     changed = {**NOISE, "plant.initial_speed": 15.0, "plant.faults": ["constant imu.yaw_rate 0.5 from 0.1 until 0.2"]}
     car = ev_sim.Simulation("double_lane_change", set=changed)
     for _ in range(30):
@@ -226,6 +227,15 @@ def test_other_inputs_are_refused_and_nothing_is_done(inputs, said):
         car.step({"torque_request.brake.rear_left": 1.0, **inputs})
     assert str(error.value).startswith(said)
     assert car.frame == before
+
+
+@pytest.mark.parametrize("changed", [{"seed": 2}, {"run": "object"}])
+def test_a_configured_run_is_driven_as_it_is(changed):
+    """What differs has been said when it was configured; it was left out without a word."""
+    run = only_run("shchur2019_steps", "object", overrides(duration=0.1))
+    assert ev_sim.Simulation(run).duration == 0.1
+    with pytest.raises(ParameterError, match=r"^run object is configured already, allowed is a name or path with"):
+        ev_sim.Simulation(run, **changed)
 
 
 def test_an_unknown_role_is_refused():

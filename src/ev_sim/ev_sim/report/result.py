@@ -13,8 +13,9 @@ import numpy as np
 
 from ev_core.methods.register import offered, offered_module
 from ev_core.nodes.master.real_time import MasterParameters
-from ev_core.parameters.data_file import files_in_config
+from ev_core.parameters.data_file import TIME, files_in_config
 from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
@@ -27,6 +28,7 @@ from ev_sim.recording.offline import true_motion
 from ev_sim.recording.outcome import Outcome
 from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SIGNALS, SUMMARY, Recording, combined_hash, save, signal_hash
 from ev_sim.report.summary import COMMAND_LINE, Difference, Summary, differences, write_summary
+from ev_sim.report.tables import html_of, short_lines
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.about import REPORTS
 from ev_sim.scenarios.scenario import Scenario, load_scenario
@@ -108,7 +110,7 @@ _TIMES = {each.name for each in fields(MasterParameters)} - {"duration"}
 _HOW_IT_IS_RUN = {"mode", "seed", "scheduling_priority", "lock_memory", *_TIMES}  # the sources have no seeds
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """The runs of a scenario that were driven, and how: offline, in-process, processes or realtime.
 
@@ -200,11 +202,17 @@ class Result:
         return found
 
     def data_frame(self, run: str = "") -> DataFrame:
-        """The signals of a run, which may be left out if there is one only, over time [s]; needs pandas."""
+        """The signals of a run, which may be left out if there is one only, over time [s]; needs pandas.
+
+        `attrs["units"]` has the unit of each column and of the index by name.
+        """
         from pandas import DataFrame, Index
 
         recording = self.runs[run] if run else self._only
-        return DataFrame(dict(recording.channels), index=Index(recording.time, name="time"))
+        found = DataFrame(dict(recording.channels), index=Index(recording.time, name=TIME))
+        units = frame.units()
+        found.attrs["units"] = {TIME: "s", **{name: units[name] for name in recording.channels}}
+        return found
 
     def summary(self) -> Summary:
         """The content of summary.json."""
@@ -265,7 +273,9 @@ class Result:
             write_page(shown, folder / PAGE)
         return content
 
-    def _repr_html_(self) -> str:
-        from ev_sim.report.tables import html_of
+    def __repr__(self) -> str:
+        head = f"Result of {self.scenario.name}, {self.mode}, signal hash {self.hash[:12]}"
+        return "\n  ".join([head, *short_lines(self.metrics)])
 
+    def _repr_html_(self) -> str:
         return html_of(self.metrics, self.figures(), self.hash)
