@@ -31,6 +31,8 @@ def bridge(argv: list[str]) -> None:
         "--namespace", metavar="/NAME", help=f"of the graph, of {_SIMULATION} where a domain has several"
     )
     given, rest = parser.parse_known_args(argv)
+    if given.kind in _VEHICLES and given.namespace:
+        parser.error(f"--namespace is for {_SIMULATION}; that of a driver is -r __ns:=/NAME behind --ros-args")
     if given.kind == _SIMULATION and rest:
         parser.error(f"unrecognized arguments: {' '.join(rest)}")
     try:
