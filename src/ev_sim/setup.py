@@ -45,6 +45,7 @@ setup(
     packages=find_packages(exclude=["test"]),
     package_data={
         "ev_sim": ["py.typed", *CONFIG],
+        "ev_sim.export": ["templates/*"],
         "ev_sim.figures": ["*.mplstyle"],
         "ev_sim.report.page": ["templates/*", "vendor/*"],
     },
