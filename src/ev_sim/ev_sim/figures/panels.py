@@ -160,7 +160,8 @@ def degrees(quantity: Quantity) -> Quantity:
 
 # Units of numbers that figures have in others, and by what to multiply.
 IN_FIGURES = {
-    unit.format("rad"): (unit.format("deg"), float(np.degrees(1.0))) for unit in ("{}", "{}/s", "{}/s^2", "{} s^2/m")
+    **{unit: (unit.replace("rad", "deg"), float(np.degrees(1.0))) for unit in ("rad", "rad/s", "rad/s^2", "rad s^2/m")},
+    **dict.fromkeys(("m/s2", "m/s^2"), ("m/s²", 1.0)),
 }
 
 # Title, ordinate and quantity in its unit.
