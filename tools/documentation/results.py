@@ -36,12 +36,12 @@ class Driven:
     @property
     def metrics(self) -> dict[str, Metric]:
         """The numbers that it yields."""
-        return report_for(self.scenario.name).metrics(self.runs, self._vehicle, self._parameters)
+        return report_for(self.scenario.name).metrics(self.runs, self._vehicle, self._parameters, self.scenario.parameters.course)
 
     @property
     def figures(self) -> dict[str, Figure]:
         """What it draws, by name."""
-        return report_for(self.scenario.name).figures(self.runs, self._vehicle, self._parameters)
+        return report_for(self.scenario.name).figures(self.runs, self._vehicle, self._parameters, self.scenario.parameters.course)
 
     @property
     def _vehicle(self) -> Vehicle:

@@ -14,6 +14,7 @@ from pathlib import Path
 from ev_msgs_py.refusal import LINE, quoted, shown, unknown_name
 from ev_sim.command_line.options import overrides, own_nodes
 from ev_sim.figures.saving import figure_files
+from ev_sim.measures.own_metrics import listed
 from ev_sim.recording.outcome import Outcome, RunFailed, progress_bar
 from ev_sim.recording.recording import OF_ALL_RUNS
 from ev_sim.report.result import Result
@@ -32,7 +33,7 @@ def drive_scenario(given: argparse.Namespace) -> None:
     """Drive all runs of a scenario and report; raises what `ev_sim.commands.run_scenario.main` catches."""
     if not is_path(given.scenario) and given.scenario not in scenario_names():
         raise unknown_name("scenario or study", given.scenario, [*scenario_names(), *study_names()])
-    scenario = load_scenario(given.scenario, overrides(given))
+    scenario = load_scenario(given.scenario, replace(overrides(given), metrics=listed(given.metrics)))
     _refuse_without_ros(given)
     out = given.out or Path("results") / scenario.name
     way = "offline" if given.offline else "in-process" if given.in_process else "processes"

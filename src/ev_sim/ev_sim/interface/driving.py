@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -17,11 +18,11 @@ from ev_sim.running.offline import drive_offline
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 
-def run(scenario: str | PathLike[str], runs: Sequence[str] = (), **changed: Any) -> Result:
+def run(scenario: str | PathLike[str], runs: Sequence[str] = (), metrics: Sequence[str] = (), **changed: Any) -> Result:
     """Drive a scenario and give its signals, metrics, hash and figures: `ev_sim.run("shchur2019")`.
 
-    `scenario` is a name or the path of a YAML file; of its runs those in `runs` are driven, all if it is empty. What
-    may be `changed`:
+    `scenario` is a name or the path of a YAML file; of its runs those in `runs` are driven, all if it is empty.
+    `metrics` are measured besides those of the scenario (docs/metrics.md). What may be `changed`:
 
     - `method`: {"asr": "pi_slip"}, by node,
     - `set`: {"electronic_differential.gamma": 10.0}, by NODE.PARAMETER, where the node `*` is every node; a method that
@@ -33,7 +34,7 @@ def run(scenario: str | PathLike[str], runs: Sequence[str] = (), **changed: Any)
 
     ParameterError, in one line, if something is refused; SignalError if a number is not finite.
     """
-    loaded = load_scenario(fspath(scenario), overrides(**changed), only=runs)
+    loaded = load_scenario(fspath(scenario), replace(overrides(**changed), metrics=tuple(metrics)), only=runs)
     compile_for(loaded.runs, in_nodes=False)
     return Result(loaded, {each.name: drive_offline(each) for each in loaded.runs})
 
@@ -44,7 +45,7 @@ def batch(
     run: str = "",
     signals: Sequence[str] = (),
     every: int = 1,
-    metrics: Mapping[str, Reduction] | None = None,
+    metrics: Mapping[str, Reduction] | Sequence[str] | None = None,
     initial_states: Mapping[str, Any] | None = None,
     threads: int | None = None,
     **changed: Any,

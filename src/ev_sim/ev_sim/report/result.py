@@ -22,7 +22,10 @@ from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
 from ev_sim.figures.other_axes import timing_sheet
 from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, Parameters, Runs, bus_metrics, channel, metric, own_metrics
+from ev_sim.measures.course import NO_COURSE, Course
+from ev_sim.measures.metric import Metric, Parameters, Runs, channel
+from ev_sim.measures.own_metrics import own_metrics
+from ev_sim.measures.registry import METRICS, DrivenRun, bus_metrics, driven_run
 from ev_sim.recording.offline import true_motion
 from ev_sim.recording.outcome import Outcome
 from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SIGNALS, SUMMARY, Recording, combined_hash, save, signal_hash
@@ -31,14 +34,17 @@ from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.about import REPORTS
 from ev_sim.scenarios.scenario import Scenario, load_scenario
 
-ARGUMENTS = ("runs", "vehicle", "parameters")
+ARGUMENTS = ("runs", "vehicle", "parameters", "course")
 
 
 class Report(NamedTuple):
-    """Metrics of the runs of a scenario in the order of the table, and figures by their file's name without suffix."""
+    """Metrics of the runs of a scenario in the order of the table, and figures by their file's name without suffix.
 
-    metrics: Callable[[Runs, Vehicle, Parameters], dict[str, Metric]]
-    figures: Callable[[Runs, Vehicle, Parameters], dict[str, Figure]]
+    Both are of ARGUMENTS; the course may be left out where there is none.
+    """
+
+    metrics: Callable[..., dict[str, Metric]]
+    figures: Callable[..., dict[str, Figure]]
 
 
 def report_for(scenario: str) -> Report:
@@ -52,8 +58,8 @@ def report_for(scenario: str) -> Report:
 def _of_all(function: Callable[..., Any]) -> Callable[..., Any]:
     """A function that names as arguments what it uses of ARGUMENTS, called with all; TypeError if it names others."""
 
-    def called(*given: Any) -> Any:
-        by_name = dict(zip(ARGUMENTS, given, strict=True))
+    def called(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course = NO_COURSE) -> Any:
+        by_name = dict(zip(ARGUMENTS, (runs, vehicle, parameters, course), strict=True))
         names = inspect.signature(function).parameters
         for name in names:
             if name not in by_name:
@@ -63,9 +69,17 @@ def _of_all(function: Callable[..., Any]) -> Callable[..., Any]:
     return called
 
 
-def _any_metrics(runs: Runs) -> dict[str, Metric]:
+_OVERVIEW = ("final_speed", "maximum_speed", "maximum_total_drive_torque", "maximum_road_wheel_angle")
+
+
+def _any_metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     """Speeds and largest torque and angle of each run; the name of the run stands in front if there are several."""
-    return motion.of_each_run(runs, _metrics)
+
+    def of(run: Recording) -> dict[str, Metric]:
+        found = {name: METRICS[name].measured(DrivenRun(run, vehicle)) for name in _OVERVIEW}
+        return {**found, **bus_metrics(run, vehicle)}
+
+    return motion.of_each_run(runs, of)
 
 
 def _any_figures(runs: Runs) -> dict[str, Figure]:
@@ -73,16 +87,6 @@ def _any_figures(runs: Runs) -> dict[str, Figure]:
     return {
         f"overview_{name}" if len(runs) > 1 else "overview": sheet(_panels(run), "time [s]")
         for name, run in runs.items()
-    }
-
-
-def _metrics(run: Recording) -> dict[str, Metric]:
-    return {
-        "final_speed": metric(lambda: motion.path_speed(run)[-1], "m/s"),
-        "maximum_speed": metric(lambda: motion.speed(run).max(), "m/s"),
-        "maximum_total_drive_torque": metric(lambda: np.abs(motion.total_drive_torque(run)).max(), "N m"),
-        "maximum_road_wheel_angle": metric(lambda: np.abs(channel(run, motion.ROAD_WHEEL_ANGLE)).max(), "rad"),
-        **bus_metrics(run),
     }
 
 
@@ -157,7 +161,9 @@ class Result:
     @cached_property
     def metrics(self) -> Mapping[str, Metric]:
         """Numbers with units, and verdicts where something was published, by name."""
-        found = {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, self.truth)}
+        known = {run.name: run.configurations for run in self.scenario.runs}
+        driven = {name: driven_run(run, known[name]) for name, run in self.truth.items()}
+        found = {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, driven)}
         changed = dict.fromkeys(self._other_than_the_source)
         why = f"{', '.join(changed)} differ{'s' * (len(changed) == 1)} from the source's" if changed else ""
         return {name: replace(each, unjudged=each.unjudged or why) for name, each in found.items()}
@@ -195,7 +201,7 @@ class Result:
         first = self.scenario.runs[0].configurations
         parameters: Parameters = {role: configuration.values() for role, configuration in first.items()}
         found: dict[str, Any] = getattr(report_for(self._report), what)(
-            self.truth, first[MASTER].common.vehicle, parameters
+            self.truth, first[MASTER].common.vehicle, parameters, self.scenario.parameters.course
         )
         return found
 

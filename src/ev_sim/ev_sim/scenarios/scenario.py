@@ -15,6 +15,7 @@ from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
+from ev_sim.measures.course import NO_COURSE, Course
 from ev_sim.profiles.profile import cycle_values
 from ev_sim.scenarios.about import (
     NAMESPACE,
@@ -24,6 +25,7 @@ from ev_sim.scenarios.about import (
     configured_file,
     said_by,
     vehicle_file,
+    with_metrics,
 )
 from ev_sim.scenarios.parameter_file import ParameterFile, matches
 from ev_sim.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
@@ -31,7 +33,7 @@ from ev_sim.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
 
 @dataclass(frozen=True)
 class Run:
-    """One configured graph, the namespace of its nodes, and by which report and metrics of its file it is measured."""
+    """One configured graph, the namespace of its nodes, and by which report, metrics and course it is measured."""
 
     name: str
     namespace: str
@@ -39,6 +41,7 @@ class Run:
     duration: float
     report: str = ""
     metrics: tuple[str, ...] = ()
+    course: Course = NO_COURSE
 
     @property
     def period(self) -> int:
@@ -58,7 +61,7 @@ class Overrides:
     `values`: (node, dotted parameter name, value). Node `*` means every role. A method that is driven must have each of
     them; those that are `prepared`, which come before, may be for other methods, like those of files. `vehicle` is
     another car than that of the scenario, as a name or a path; what the scenario itself changes about the car of all
-    runs is left out then. What it changes about that of some runs stays: it is what these runs are about.
+    runs is left out then, what it changes about that of some runs stays. `metrics` are measured besides its own.
     """
 
     files: Sequence[Path] = ()
@@ -66,6 +69,7 @@ class Overrides:
     duration: float | None = None
     vehicle: str | None = None
     prepared: Sequence[tuple[str, str, Any]] = ()
+    metrics: Sequence[str] = ()
 
     @classmethod
     def of(
@@ -113,7 +117,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     overrides = overrides or Overrides()
     own = ParameterFile(configured_file("scenario", name))
     name = shown(own.path.stem)
-    about = said_by(own)
+    about = with_metrics(said_by(own), overrides.metrics)
     namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
     of_all = [pattern for pattern in own.sections if _means_all(pattern, namespaces.values())]
     car = own.without(f"{VEHICLE}.", of_all) if overrides.vehicle else own
@@ -143,7 +147,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
             as_it_is = _run(run_name, of_file, about.duration)
             run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
             notes += [note] if note else []
-        runs.append(replace(run, report=about.report or name, metrics=about.metrics))
+        runs.append(replace(run, report=about.report or name, metrics=about.metrics, course=about.course))
     refuse_unused_values(overrides.values, runs)
     _refuse_unfollowed_speed(overrides.all_values, runs)
     notes += [] if only else _unused_in(files, runs, overrides)

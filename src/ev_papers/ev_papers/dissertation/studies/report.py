@@ -22,6 +22,7 @@ from ev_sim.figures.drawing import Figure
 from ev_sim.measures import motion
 from ev_sim.measures.handling import share_of
 from ev_sim.measures.metric import Metric, NotMeasured, Parameters, Runs, channel, metric
+from ev_sim.measures.registry import METRICS, DrivenRun
 from ev_sim.recording.recording import Recording
 
 ROLLING = 1.0  # [m/s], above it slip is more than the first turn of a wheel
@@ -101,11 +102,11 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
         "energy_windows": metric(lambda: energy(whole=True), "J"),
         "energy_as_printed": metric(energy_as_printed, "J"),
         "energy_as_printed_in_kwh": metric(lambda: energy_as_printed() / _KILOWATT_HOUR, "kW h"),
-        "slip_energy": metric(lambda: circuits.slip_energy(run, vehicle, pressed()), "J"),
-        "distance": metric(lambda: motion.distance_on_path(run)[-1], "m"),
+        "traction_slip_energy": metric(lambda: circuits.slip_energy(run, vehicle, pressed()), "J"),
+        "distance": METRICS["distance"].measured(DrivenRun(run, vehicle)),
         "traction_time": metric(lambda: _time_in(run, pressed()), "s"),
         "window_time": metric(lambda: _time_in(run, windows()), "s"),
-        "peak_slip": metric(lambda: _peak_slip(run, vehicle, driver), "1"),
+        "traction_peak_slip": metric(lambda: _peak_slip(run, vehicle, driver), "1"),
         "mean_speed_error": metric(lambda: np.abs(_speed_error(run, driver)).mean(), "m/s"),
         **{f"share_of_snow_{side}": metric(lambda side=side: _snow(run, vehicle, side), "1") for side in _SIDES},
         **electrical_metrics(run, vehicle),
