@@ -9,7 +9,7 @@ import pytest
 from ev_core.methods import register as module
 from ev_core.methods.register import offered, offered_module
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import load_scenario
 from ev_sim.study.study import study_named
 

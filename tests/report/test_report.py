@@ -19,7 +19,7 @@ from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, NotMeasured, Reference, mean_between, metric, within
 from ev_sim.recording import recording as recordings
 from ev_sim.recording.recording import Recording, combined_hash, signal_hash
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import report_for
 from ev_sim.report.summary import Summary, write_summary
 from ev_sim.report.tables import metric_table, print_metrics
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ev_sim.recording.offline import run_offline
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
 
 BEGIN = (("driver", "pedals.begin", True),)  # pedals from the start instead of the speed profile

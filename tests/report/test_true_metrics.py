@@ -16,7 +16,7 @@ from ev_msgs_py.contract import frame
 from ev_sim.measures.registry import METRICS, driven_run
 from ev_sim.recording.offline import run_offline, struck_channels, true_motion
 from ev_sim.recording.recording import Recording
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import Overrides, Scenario, load_scenario
 
 DRIVEN = {  # scenario -> how long it takes until all that is measured has happened [s]

@@ -22,7 +22,7 @@ class Course:
     A course is symmetric: a car that goes to the other side in the first lane that lies aside drives its mirror image.
     """
 
-    title: str = setting("", about="title of the figure of the course; empty for the name of the scenario")
+    title: str = setting("", about="title of its figure; empty for the name of the run")
     begin: tuple[float, ...] = setting(
         (), unit="m", low=-1e6, high=1e6, about="where each lane begins, rising; none: there is no course"
     )

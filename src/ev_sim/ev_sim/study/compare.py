@@ -18,7 +18,7 @@ from ev_sim.measures.metric import Metric, channel
 from ev_sim.measures.own_metrics import listed, named_metric
 from ev_sim.measures.registry import METRICS
 from ev_sim.recording.recording import Recording
-from ev_sim.report.measuring import further_metrics, measured_metrics, row_of
+from ev_sim.report.reports import further_metrics, measured_metrics, row_of
 from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results, not_measured, run_of_command

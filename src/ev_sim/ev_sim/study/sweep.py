@@ -19,7 +19,7 @@ from ev_sim.figures.other_axes import lines_with_bands, maps
 from ev_sim.measures.metric import Metric
 from ev_sim.measures.own_metrics import listed, named_metric
 from ev_sim.recording.recording import Recording
-from ev_sim.report.measuring import further_metrics, measured_metrics, row_of
+from ev_sim.report.reports import further_metrics, measured_metrics, row_of
 from ev_sim.report.tables import cell, text_table
 from ev_sim.scenarios.parameter_file import read_yaml
 from ev_sim.scenarios.scenario import Run

@@ -24,8 +24,15 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 def _metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
     names = ("battery", "mains", "resistor", "machines", "loads", "shafts")
     return {
-        **{f"bench_{name}": metric(lambda name=name: motors_and_cells.energies(run)[name], "J") for name in names},
-        "bench_imbalance": metric(lambda: motors_and_cells.imbalance(run), "1"),
+        **{
+            f"bench_{name}": metric(
+                lambda name=name: motors_and_cells.energies(run)[name], "J", formula=f"energy of the {name}"
+            )
+            for name in names
+        },
+        "bench_imbalance": metric(
+            lambda: motors_and_cells.imbalance(run), "1", formula="what the accounts do not close by"
+        ),
         **bus_metrics(run, vehicle),
     }
 
