@@ -200,7 +200,7 @@ def test_recording_refuses_what_it_could_not_save_exactly():
 )
 def test_verdict(value, assumption, verdict):
     """Both ends of the band belong to it."""
-    assert metric(lambda: value, "m", Reference(2.0, (1.0, 3.0), "a source", assumption)).verdict == verdict
+    assert metric(lambda: value, "m", reference=Reference(2.0, (1.0, 3.0), "a source", assumption)).verdict == verdict
 
 
 def test_metric_without_published_value_is_measured():

@@ -51,9 +51,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     driven = ScenarioRuns(runs, vehicle, parameters)
     values = {
         f"{quantity}_{name}": metric(
-            lambda n=name, m=measure: m(run_named(runs, n)),
-            unit,
-            formula=OVER_TIME.get(quantity, f"at {paper.INSTANT:g} s"),
+            lambda n=name, m=measure: m(run_named(runs, n)), unit, OVER_TIME.get(quantity, f"at {paper.INSTANT:g} s")
         )
         for name in runs
         for quantity, (unit, measure) in QUANTITIES.items()

@@ -52,17 +52,15 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
         for wheel in WHEEL_NAMES:
             for kind in ACROSS:
                 force = _when_fast(runs, name, lambda run, w=wheel, k=kind: OF_WHEEL[k](run, w, vehicle))
-                result[f"{kind}_{wheel}_{name}"] = metric(force, "N", formula=f"{ACROSS[kind]} {_AT_SPEED}")
+                result[f"{kind}_{wheel}_{name}"] = metric(force, "N", f"{ACROSS[kind]} {_AT_SPEED}")
         result[f"total_tyre_force_{name}"] = metric(
-            _when_fast(runs, name, total_force), "N", formula=f"sum of all tyre forces {_AT_SPEED}"
+            _when_fast(runs, name, total_force), "N", f"sum of all tyre forces {_AT_SPEED}"
         )
         result[f"drive_energy_{name}"] = metric(
-            _when_fast(runs, name, energy_since_turning_in),
-            "J",
-            formula=f"work at the wheels since turning in, {_AT_SPEED}",
+            _when_fast(runs, name, energy_since_turning_in), "J", f"work at the wheels since turning in, {_AT_SPEED}"
         )
         result[f"time_to_speed_{name}"] = metric(
-            _when_fast(runs, name, time_since_turning_in), "s", formula=f"time since turning in, {_AT_SPEED}"
+            _when_fast(runs, name, time_since_turning_in), "s", f"time since turning in, {_AT_SPEED}"
         )
     driven = ScenarioRuns(runs, vehicle, parameters)
     return result | metrics_at_hand("tatar_chudzik", "tatar_chudzik", driven)

@@ -20,13 +20,13 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     result, driver = {}, parameters["driver"]
     for name in runs:
         result[f"peak_sideslip_{name}"] = metric(
-            lambda name=name: peak_sideslip(run_named(runs, name)), "rad", formula=PEAK_SIDESLIP
+            lambda name=name: peak_sideslip(run_named(runs, name)), "rad", PEAK_SIDESLIP
         )
         if driver.get("method") == "preview":
             result[f"off_the_path_{name}"] = metric(
                 lambda name=name: off_the_path(run_named(runs, name), driver["path.x"], driver["path.y"]),
                 "m",
-                formula="largest distance from the path of the driver",
+                "largest distance from the path of the driver",
             )
     return result
 

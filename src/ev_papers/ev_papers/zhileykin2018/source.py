@@ -36,22 +36,20 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     result = metrics_at_hand(SCENARIO, SCENARIO, ScenarioRuns(runs, vehicle, parameters))
     for name in runs:
         result[f"peak_sideslip_{name}"] = metric(
-            lambda name=name: peak_sideslip(run_named(runs, name)), "rad", formula=PEAK_SIDESLIP
+            lambda name=name: peak_sideslip(run_named(runs, name)), "rad", PEAK_SIDESLIP
         )
         result[f"holds_{name}"] = metric(
-            lambda name=name: peak_sideslip(run_named(runs, name)) < LIMIT,
-            "1",
-            formula="1: that is below 15 deg; else 0",
+            lambda name=name: peak_sideslip(run_named(runs, name)) < LIMIT, "1", "1: that is below 15 deg; else 0"
         )
         result[f"final_speed_{name}"] = metric(
-            lambda name=name: _speed(run_named(runs, name))[-1], "m/s", formula="|V| in the end"
+            lambda name=name: _speed(run_named(runs, name))[-1], "m/s", "|V| in the end"
         )
     for name in (*BY_LAW, ESTIMATED):
         for share, values in SHARES.items():
             result[f"turn_arounds_{share}_{name}"] = metric(
                 lambda name=name, values=values: turn_arounds(values(run_named(runs, name)), SWING),
                 "1",
-                formula=f"how often the share turns round by more than {SWING:g}",
+                f"how often the share turns round by more than {SWING:g}",
             )
     return result
 

@@ -48,26 +48,24 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
 
         return {
             "course_passed": metric(
-                passed, "1", formula="1: in the lanes and on the road to the end, no cone hit; else 0", better=HIGHER
+                passed, "1", "1: in the lanes and on the road to the end, no cone hit; else 0", HIGHER
             ),
-            "cones_hit": metric(hit, "1", formula="cones that came to lie under the body", better=LOWER),
-            "entry_speed": metric(lambda: at(0), "m/s", formula="V at the first cone"),
-            "exit_speed": metric(lambda: at(-1), "m/s", formula="V at the last cone", better=HIGHER),
+            "cones_hit": metric(hit, "1", "cones that came to lie under the body", LOWER),
+            "entry_speed": metric(lambda: at(0), "m/s", "V at the first cone"),
+            "exit_speed": metric(lambda: at(-1), "m/s", "V at the last cone", HIGHER),
             "peak_lateral_acceleration": metric(
-                lambda: largest(motion.lateral_acceleration_on_path), "m/s^2",
-                formula="largest magnitude across the path, on the course",
+                lambda: largest(motion.lateral_acceleration_on_path),
+                "m/s^2",
+                "largest magnitude across the path, on the course",
             ),
             "peak_sideslip_angle": metric(
-                lambda: largest(motion.sideslip_angle), "rad", formula="max |beta| on the course", better=LOWER
+                lambda: largest(motion.sideslip_angle), "rad", "max |beta| on the course", LOWER
             ),
-            "peak_yaw_rate": metric(
-                lambda: of_channel(motion.YAW_RATE), "rad/s", formula="max |r| on the course", better=LOWER
-            ),
+            "peak_yaw_rate": metric(lambda: of_channel(motion.YAW_RATE), "rad/s", "max |r| on the course", LOWER),
             "peak_steering_wheel_angle": metric(
-                lambda: of_channel(motion.STEERING_WHEEL_ANGLE), "rad", better=LOWER,
-                formula="largest magnitude on the course",
+                lambda: of_channel(motion.STEERING_WHEEL_ANGLE), "rad", "largest magnitude on the course", LOWER
             ),
-        }  # fmt: skip
+        }
 
     return motion.of_each_run(runs, of)
 
@@ -113,7 +111,5 @@ def _left(run: Recording, vehicle: Vehicle, parameters: Parameters, course: Cour
     if path:
         of = build(PathParameters, path, _PATH)
         outside["the road"] = distances_from(path_of(of), x, y) > of.width / 2
-    for what, where in outside.items():
-        if where[:until].any():
-            return f"the car left {what} at {run.time[where.argmax()]:.2f} s"
-    return ""
+    first = sorted((int(where.argmax()), what) for what, where in outside.items() if where[:until].any())
+    return f"the car left {first[0][1]} at {run.time[first[0][0]]:.2f} s" if first else ""

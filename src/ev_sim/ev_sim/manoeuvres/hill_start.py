@@ -31,31 +31,25 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
         return {
             "holding_time": metric(
-                lambda: run.time[_release(run)] - run.time[0],
-                "s",
-                formula="from the start to the first release of the brake",
+                lambda: run.time[_release(run)] - run.time[0], "s", "from the start to the first release of the brake"
             ),
-            "movement_while_holding": metric(
-                moved, "m", formula="largest distance from the start until then", better=LOWER
-            ),
+            "movement_while_holding": metric(moved, "m", "largest distance from the start until then", LOWER),
             "roll_back": metric(
                 lambda: max(0.0, float(-_uphill(run)[_release(run) :].min())),
                 "m",
-                formula="largest way against the drive torque after the release",
-                better=LOWER,
+                "largest way against the drive torque after the release",
+                LOWER,
             ),
             "time_for_one_metre": metric(
-                first_metre, "s", formula="from the release to 1 m in the direction of the drive torque", better=LOWER
+                first_metre, "s", "from the release to 1 m in the direction of the drive torque", LOWER
             ),
             "pull_away_peak_slip": metric(
                 lambda: np.abs(_slips(run, vehicle)).max(),
                 "1",
-                formula="max |slip ratio| of the driven wheels from 0.1 m/s on",
-                better=LOWER,
+                "max |slip ratio| of the driven wheels from 0.1 m/s on",
+                LOWER,
             ),
-            "slip_sign_changes": metric(
-                sign_changes, "1", formula="changes of the sign of their slip ratios", better=LOWER
-            ),
+            "slip_sign_changes": metric(sign_changes, "1", "changes of the sign of their slip ratios", LOWER),
         }
 
     return motion.of_each_run(runs, of)

@@ -53,39 +53,30 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
         return {
             "time_to_5_m_s": metric(
-                lambda: _reached(run) - run.time[_launch(run).start],
-                "s",
-                formula="from the first drive torque to 5 m/s",
-                better=LOWER,
+                lambda: _reached(run) - run.time[_launch(run).start], "s", "from the first drive torque to 5 m/s", LOWER
             ),
-            "distance_to_5_m_s": metric(way, "m", formula="way of the centre of mass by then", better=LOWER),
+            "distance_to_5_m_s": metric(way, "m", "way of the centre of mass by then", LOWER),
             "peak_yaw_rate": metric(
-                lambda: np.abs(channel(run, motion.YAW_RATE)[_launch(run)]).max(),
-                "rad/s",
-                formula="max |r| by then",
-                better=LOWER,
+                lambda: np.abs(channel(run, motion.YAW_RATE)[_launch(run)]).max(), "rad/s", "max |r| by then", LOWER
             ),
             "peak_yaw_deviation": metric(
-                lambda: by_then(motion.heading(run)), "rad", formula="max |change of the heading| by then", better=LOWER
+                lambda: by_then(motion.heading(run)), "rad", "max |change of the heading| by then", LOWER
             ),
             "peak_lateral_deviation": metric(
                 lambda: by_then(motion.way_aside(run, _launch(run).start)),
                 "m",
-                formula="max |way across the first heading| by then",
-                better=LOWER,
+                "max |way across the first heading| by then",
+                LOWER,
             ),
             "peak_steering_wheel_angle": metric(
                 lambda: by_then(channel(run, motion.STEERING_WHEEL_ANGLE)),
                 "rad",
-                formula="max |change of the steering-wheel angle| by then",
-                better=LOWER,
+                "max |change of the steering-wheel angle| by then",
+                LOWER,
             ),
             **{
                 f"{wheel}_peak_slip": metric(
-                    lambda wheel=wheel: _slip(run, wheel),
-                    "1",
-                    formula="max |slip ratio| by then, above 0.1 m/s",
-                    better=LOWER,
+                    lambda wheel=wheel: _slip(run, wheel), "1", "max |slip ratio| by then, above 0.1 m/s", LOWER
                 )
                 for wheel in vehicle.driven_wheels
             },

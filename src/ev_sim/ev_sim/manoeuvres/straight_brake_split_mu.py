@@ -29,56 +29,54 @@ def metrics(runs: Runs) -> dict[str, Metric]:
 
     def of(run: Recording) -> dict[str, Metric]:
         return {
-            "initial_speed": metric(lambda: initial_speed(run), "m/s", formula="V at the onset of braking"),
+            "initial_speed": metric(lambda: initial_speed(run), "m/s", "V at the onset of braking"),
             "stopping_distance": metric(
-                lambda: stopping_distance(run), "m", formula="way from the onset of braking to 0.1 m/s", better=LOWER
+                lambda: stopping_distance(run), "m", "way from the onset of braking to 0.1 m/s", LOWER
             ),
             "mean_deceleration": metric(
                 lambda: initial_speed(run) ** 2 / (2 * stopping_distance(run)),
                 "m/s^2",
-                formula="V^2/(2 stopping distance)",
-                better=HIGHER,
+                "V^2/(2 stopping distance)",
+                HIGHER,
             ),
             "yaw_rate_after_1_s": metric(
                 lambda: _after_a_second(run, channel(run, motion.YAW_RATE)),
                 "rad/s",
-                formula="r 1 s after the onset (ISO 14512)",
+                "r 1 s after the onset (ISO 14512)",
             ),
             "peak_yaw_rate": metric(
                 lambda: np.abs(channel(run, motion.YAW_RATE)[_braking(run)]).max(),
                 "rad/s",
-                formula="max |r| until the stop",
-                better=LOWER,
+                "max |r| until the stop",
+                LOWER,
             ),
             "yaw_deviation_after_1_s": metric(
-                lambda: _after_a_second(run, motion.heading(run)),
-                "rad",
-                formula="change of the heading in 1 s (ISO 14512)",
+                lambda: _after_a_second(run, motion.heading(run)), "rad", "change of the heading in 1 s (ISO 14512)"
             ),
             "peak_yaw_deviation": metric(
                 lambda: _largest_deviation(run, motion.heading(run)),
                 "rad",
-                formula="max |change of the heading| until the stop",
-                better=LOWER,
+                "max |change of the heading| until the stop",
+                LOWER,
             ),
             "peak_lateral_deviation": metric(
                 lambda: _largest_deviation(run, motion.way_aside(run, _onset(run))),
                 "m",
-                formula="max |way across the heading at the onset|",
-                better=LOWER,
+                "max |way across the heading at the onset|",
+                LOWER,
             ),
             "peak_steering_wheel_angle": metric(
                 lambda: np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)[_braking(run)]).max(),
                 "rad",
-                formula="largest magnitude until the stop",
-                better=LOWER,
+                "largest magnitude until the stop",
+                LOWER,
             ),
             **{
                 f"{wheel}_locked": metric(
                     lambda wheel=wheel: _locked(run, wheel),
                     "%",
-                    formula="share of the time above 2 m/s with a slip ratio below -0.95",
-                    better=LOWER,
+                    "share of the time above 2 m/s with a slip ratio below -0.95",
+                    LOWER,
                 )
                 for wheel in WHEEL_NAMES
             },

@@ -119,7 +119,7 @@ class Metric:
 
 
 def metric(
-    measure: Callable[[], float], unit: str, reference: Reference | None = None, formula: str = "", better: str = ""
+    measure: Callable[[], float], unit: str, formula: str = "", better: str = "", reference: Reference | None = None
 ) -> Metric:
     """The metric that `measure` returns; what raises NotMeasured or is not finite becomes a metric without value."""
 

@@ -16,7 +16,6 @@ from ev_core.bus.parameters import CIRCUITS
 from ev_core.lockstep.configuration import Configuration
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
-from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measures import handling, motion
 from ev_sim.measures.metric import LOWER, Metric, NotMeasured, channel, metric
@@ -83,23 +82,21 @@ def _battery_energy(run: Recording) -> float:
 
 
 def _torque_activity(run: Recording) -> float:
-    commands = (channel(run, f"torque_command.drive.{wheel}") for wheel in WHEEL_NAMES)
+    commands = handling.of_wheels(run, "torque_command.drive")
     if run.duration <= 0.0:
         raise NotMeasured("the run has no duration")
-    return sum(float(np.abs(np.diff(command)).sum()) for command in commands) / run.duration
+    return float(np.abs(np.diff(commands)).sum()) / run.duration
 
 
 def _friction_use(run: Recording) -> float:
-    load, friction = (np.array([channel(run, f"tire_forces.{of}.{wheel}") for wheel in WHEEL_NAMES]) for of in _CIRCLE)
-    along, across = (
-        np.array([channel(run, f"tire_forces.{of}_force.{wheel}") for wheel in WHEEL_NAMES])
-        for of in ("longitudinal", "lateral")
+    force, across, load, friction = (
+        handling.of_wheels(run, f"tire_forces.{of}")
+        for of in ("longitudinal_force", "lateral_force", "load", "friction_coefficient")
     )
     available = load * friction
-    return float(np.divide(np.hypot(along, across), available, where=available > 0.0, out=0.0 * available).max())
+    return float(np.divide(np.hypot(force, across), available, where=available > 0.0, out=0.0 * available).max())
 
 
-_CIRCLE = ("load", "friction_coefficient")
 _TWIST, _ANGLE = "twist.", motion.ROAD_WHEEL_ANGLE
 _ACCELERATION = ("imu.longitudinal_acceleration", motion.LATERAL_ACCELERATION)
 _SLIP_RATIO, _SLIP_ANGLE, _FRICTION = (

@@ -45,7 +45,7 @@ def electrical_metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
         "largest_cell_voltage": (lambda: float(channel(run, f"{_CELL}.voltage").max()), "V"),
         "peak_cell_temperature": (lambda: float(channel(run, f"{_CELL}.temperature").max()), "degC"),
     }
-    return {name: metric(value, unit, formula=name.replace("_", " ")) for name, (value, unit) in of_motors.items()}
+    return {name: metric(value, unit, name.replace("_", " ")) for name, (value, unit) in of_motors.items()}
 
 
 _GONE = ("resistor", "machines", "loads", "shafts", "stored")

@@ -85,10 +85,7 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
 
         ending = {side: f"_{side}" for side in _SIDES} | {"": ""}
         formula = f"{name.removesuffix('_windows').replace('_', ' ')} of its circuits {_WHEN[whole]}"
-        return {
-            name + end: metric(lambda side=side: mean(side), "1", formula=formula, better=HIGHER)
-            for side, end in ending.items()
-        }
+        return {name + end: metric(lambda side=side: mean(side), "1", formula, HIGHER) for side, end in ending.items()}
 
     def energy(whole: bool = False) -> float:
         return sum(of_circuits(lambda circuit: circuit.electrical_work, whole=whole))
@@ -105,36 +102,30 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
         **rows("total_efficiency", lambda circuit: circuit.total_efficiency),
         **rows("wheel_efficiency_windows", lambda circuit: circuit.efficiency, whole=True),
         **rows("drive_efficiency_windows", lambda circuit: circuit.drive_efficiency, whole=True),
-        "energy": metric(energy, "J", formula=f"electrical work of the circuits {_WHEN[False]}", better=LOWER),
-        "energy_windows": metric(lambda: energy(whole=True), "J", formula=f"the same {_WHEN[True]}"),
-        "energy_as_printed": metric(energy_as_printed, "J", formula="the same by the equation as it is printed"),
+        "energy": metric(energy, "J", f"electrical work of the circuits {_WHEN[False]}", LOWER),
+        "energy_windows": metric(lambda: energy(whole=True), "J", f"the same {_WHEN[True]}"),
+        "energy_as_printed": metric(energy_as_printed, "J", "the same by the equation as it is printed"),
         "energy_as_printed_in_kwh": metric(
-            lambda: energy_as_printed() / _KILOWATT_HOUR, "kW h", formula="the same in another unit"
+            lambda: energy_as_printed() / _KILOWATT_HOUR, "kW h", "the same in another unit"
         ),
         "traction_slip_energy": metric(
             lambda: circuits.slip_energy(run, vehicle, pressed()),
             "J",
-            formula="sum of F_x r (w - w_free) of the driven wheels under traction",
-            better=LOWER,
+            "sum of F_x r (w - w_free) of the driven wheels under traction",
+            LOWER,
         ),
         "distance": METRICS["distance"].measured(DrivenRun(run, vehicle)),
-        "traction_time": metric(lambda: _time_in(run, pressed()), "s", formula="time under traction"),
-        "window_time": metric(lambda: _time_in(run, windows()), "s", formula="time in the windows"),
+        "traction_time": metric(lambda: _time_in(run, pressed()), "s", "time under traction"),
+        "window_time": metric(lambda: _time_in(run, windows()), "s", "time in the windows"),
         "traction_peak_slip": metric(
-            lambda: _peak_slip(run, vehicle, driver),
-            "1",
-            formula="max slip of a driven wheel under traction",
-            better=LOWER,
+            lambda: _peak_slip(run, vehicle, driver), "1", "max slip of a driven wheel under traction", LOWER
         ),
         "mean_speed_error": metric(
-            lambda: np.abs(_speed_error(run, driver)).mean(),
-            "m/s",
-            formula="mean |V - speed of the cycle|",
-            better=LOWER,
+            lambda: np.abs(_speed_error(run, driver)).mean(), "m/s", "mean |V - speed of the cycle|", LOWER
         ),
         **{
             f"share_of_snow_{side}": metric(
-                lambda side=side: _snow(run, vehicle, side), "1", formula="share of the way on snow"
+                lambda side=side: _snow(run, vehicle, side), "1", "share of the way on snow"
             )
             for side in _SIDES
         },

@@ -15,10 +15,7 @@ from ev_sim.recording.recording import Recording
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
     """Those of the cycle with eq 2.38 from measured values, and the accounts of the bench."""
-    return {
-        **report.metrics(runs, vehicle, parameters),
-        **motion.of_each_run(runs, lambda run: _metrics(run, vehicle)),
-    }
+    return {**report.metrics(runs, vehicle, parameters), **motion.of_each_run(runs, lambda run: _metrics(run, vehicle))}
 
 
 def _metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
@@ -26,13 +23,11 @@ def _metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
     return {
         **{
             f"bench_{name}": metric(
-                lambda name=name: motors_and_cells.energies(run)[name], "J", formula=f"energy of the {name}"
+                lambda name=name: motors_and_cells.energies(run)[name], "J", f"energy of the {name}"
             )
             for name in names
         },
-        "bench_imbalance": metric(
-            lambda: motors_and_cells.imbalance(run), "1", formula="what the accounts do not close by"
-        ),
+        "bench_imbalance": metric(lambda: motors_and_cells.imbalance(run), "1", "what the accounts do not close by"),
         **bus_metrics(run, vehicle),
     }
 
