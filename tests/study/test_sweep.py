@@ -165,7 +165,7 @@ def test_metrics_are_named_before_anything_is_driven():
     asked = cases("step_steer", "yaw_rate_gain,slip_energy,x [1] = maximum(hypot(pose.x, pose.y))")
     assert {case.metrics for case in asked} == {("slip_energy", "x [1] = maximum(hypot(pose.x, pose.y))")}
     for scenario, metrics, said in (
-        ("step_steer", "yaw_rate_eror", "unknown metric 'yaw_rate_eror'; did you mean yaw_rate_error?"),
+        ("step_steer", "yaw_rate_eror", "unknown metric 'yaw_rate_eror'; did you mean yaw_rate_error, "),
         (
             "shchur2019",
             "peak_slip",

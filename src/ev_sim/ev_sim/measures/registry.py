@@ -21,7 +21,7 @@ from ev_sim.measures import handling, motion
 from ev_sim.measures.metric import LOWER, Metric, NotMeasured, channel, metric
 from ev_sim.recording.offline import written_topics
 from ev_sim.recording.recording import Recording
-from ev_sim.surfaces import Surface, left_and_right
+from ev_sim.surfaces import RoadParameters, Surface, left_and_right
 
 
 class DrivenRun(NamedTuple):
@@ -35,9 +35,14 @@ class DrivenRun(NamedTuple):
 def driven_run(signals: Recording, configurations: Mapping[str, Configuration]) -> DrivenRun:
     """A run of these configurations; `signals` is its true motion."""
     plant = configurations[MASTER]
-    road = getattr(plant.told, "road", None)
-    names = dict.fromkeys(name for side in left_and_right(road) for name in side.surface) if road else ()
-    return DrivenRun(signals, plant.common.vehicle, tuple(road.surface(name) for name in names))
+    return DrivenRun(signals, plant.common.vehicle, surfaces_of(getattr(plant.told, "road", None)))
+
+
+def surfaces_of(road: RoadParameters | None) -> tuple[Surface, ...]:
+    """The surfaces that lie on a road; none of a plant that has none."""
+    if road is None:
+        return ()
+    return tuple(map(road.surface, dict.fromkeys(name for side in left_and_right(road) for name in side.surface)))
 
 
 @dataclass(frozen=True, slots=True)
