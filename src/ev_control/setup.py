@@ -1,8 +1,12 @@
 """Build and install ev_control."""
 
 import sys
+from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
+
+PACKAGE = ElementTree.parse("package.xml").getroot()
+VERSION = PACKAGE.findtext("version")
 
 # What `ros2 run` starts is put into lib/ev_control by colcon; a wheel would put it on the PATH, under these bare names.
 NODES = [
@@ -14,18 +18,19 @@ IS_COLCON = not {"install", "develop"}.isdisjoint(sys.argv)
 
 setup(
     name="ev_control",
-    version="0.1.0",
-    description="Control laws: electronic differential, power steering, torque vectoring, anti-slip regulation.",
-    maintainer="EV Control Stack maintainers",
-    maintainer_email="maintainers@ev-control-stack.org",
-    license="Apache-2.0",
+    version=VERSION,
+    description=PACKAGE.findtext("description"),
+    maintainer=PACKAGE.findtext("maintainer"),
+    maintainer_email=PACKAGE.find("maintainer").get("email"),
+    license=PACKAGE.findtext("license"),
     packages=find_packages(exclude=["test"]),
+    package_data={"ev_control": ["py.typed"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_control"]),
         ("share/ev_control", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=["ev_core==0.1.0", "numpy>=1.26.4"],
+    install_requires=[f"ev_core=={VERSION}", "numpy>=1.26.4"],
     zip_safe=True,
     entry_points={
         "console_scripts": NODES if IS_COLCON else [],

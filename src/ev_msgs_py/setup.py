@@ -1,15 +1,21 @@
 """Build and install ev_msgs_py."""
 
+from xml.etree import ElementTree
+
 from setuptools import find_packages, setup
+
+PACKAGE = ElementTree.parse("package.xml").getroot()
+VERSION = PACKAGE.findtext("version")
 
 setup(
     name="ev_msgs_py",
-    version="0.1.0",
-    description="The interface of the nodes: signals, topics, roles, frames, wire format, CAN frames.",
-    maintainer="EV Control Stack maintainers",
-    maintainer_email="maintainers@ev-control-stack.org",
-    license="Apache-2.0",
+    version=VERSION,
+    description=PACKAGE.findtext("description"),
+    maintainer=PACKAGE.findtext("maintainer"),
+    maintainer_email=PACKAGE.find("maintainer").get("email"),
+    license=PACKAGE.findtext("license"),
     packages=find_packages(exclude=["test"]),
+    package_data={"ev_msgs_py": ["py.typed"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_msgs_py"]),
         ("share/ev_msgs_py", ["package.xml"]),

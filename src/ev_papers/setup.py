@@ -1,8 +1,12 @@
 """Build and install ev_papers; a source whose folder has been removed is not offered any more."""
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
+
+PACKAGE = ElementTree.parse("package.xml").getroot()
+VERSION = PACKAGE.findtext("version")
 
 HERE = Path(__file__).parent
 SOURCES = ("shchur2019", "ge_ni2005", "tatar_chudzik", "dissertation", "zhileykin2018")
@@ -40,19 +44,19 @@ def there(points: list[str]) -> list[str]:
 
 setup(
     name="ev_papers",
-    version="0.1.0",
-    description="The sources: what each of them published, measured, drawn and held against our runs.",
-    maintainer="EV Control Stack maintainers",
-    maintainer_email="maintainers@ev-control-stack.org",
-    license="Apache-2.0",
+    version=VERSION,
+    description=PACKAGE.findtext("description"),
+    maintainer=PACKAGE.findtext("maintainer"),
+    maintainer_email=PACKAGE.find("maintainer").get("email"),
+    license=PACKAGE.findtext("license"),
     packages=find_packages(exclude=["test"]),
-    package_data={"": ["published.csv", "texts.csv"]},
+    package_data={"": ["py.typed", "published.csv", "texts.csv"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_papers"]),
         ("share/ev_papers", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=["ev_sim==0.1.0"],
+    install_requires=[f"ev_sim=={VERSION}"],
     zip_safe=False,  # published.csv is read as a file
     entry_points={
         "ev_stack.sources": there([f"{source} = ev_papers.{source}.source" for source in SOURCES]),

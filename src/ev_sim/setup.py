@@ -2,8 +2,12 @@
 
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
+
+PACKAGE = ElementTree.parse("package.xml").getroot()
+VERSION = PACKAGE.findtext("version")
 
 # What `ros2 run` starts is put into lib/ev_sim by colcon; a wheel would put it on the PATH, under these bare names.
 ROLES = ("plant", "steering_column", "driver", "rear_steering")
@@ -32,13 +36,13 @@ CONFIG = [str(path.relative_to("ev_sim")) for path in sorted(Path("ev_sim", "con
 
 setup(
     name="ev_sim",
-    version="0.1.0",
-    description="The world around the control laws: plant, steering column, driver, recorder, scenarios.",
-    maintainer="EV Control Stack maintainers",
-    maintainer_email="maintainers@ev-control-stack.org",
-    license="Apache-2.0",
+    version=VERSION,
+    description=PACKAGE.findtext("description"),
+    maintainer=PACKAGE.findtext("maintainer"),
+    maintainer_email=PACKAGE.find("maintainer").get("email"),
+    license=PACKAGE.findtext("license"),
     packages=find_packages(exclude=["test"]),
-    package_data={"ev_sim": CONFIG, "ev_sim.report.page": ["templates/*", "vendor/*"]},
+    package_data={"ev_sim": ["py.typed", *CONFIG], "ev_sim.report.page": ["templates/*", "vendor/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_sim"]),
         ("share/ev_sim", ["package.xml"]),
@@ -46,8 +50,8 @@ setup(
     ],
     python_requires=">=3.11",
     install_requires=[
-        "ev_control==0.1.0",
-        "ev_core==0.1.0",
+        f"ev_control=={VERSION}",
+        f"ev_core=={VERSION}",
         "Jinja2>=3.1",
         "matplotlib>=3.9",
         "numpy>=1.26.4",
@@ -57,7 +61,7 @@ setup(
     ],
     extras_require={
         "bag": ["rosbags==0.11.*"],
-        "can": ["ev_core[can]==0.1.0"],
+        "can": [f"ev_core[can]=={VERSION}"],
         "cluster": ["dask", "distributed"],
         "dashboard": ["tornado>=6.4"],
         "fmu": ["pythonfmu==0.7.*"],

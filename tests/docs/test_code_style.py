@@ -1,4 +1,4 @@
-"""The code keeps the rules of ruff.toml."""
+"""The code keeps the rules of pyproject.toml."""
 
 import subprocess
 import sys

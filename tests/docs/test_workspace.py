@@ -13,6 +13,8 @@ import pytest
 import release
 import yaml
 
+import ev_sim
+
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("ev_control", "ev_core", "ev_msgs_py", "ev_papers", "ev_sim")
 SCRIPTS = sorted([*ROOT.glob("scripts/*.sh"), ROOT / ".ci" / "run"])
@@ -27,19 +29,21 @@ def test_colcon_knows_every_package_as_ament_python():
 
 
 def test_versions_agree():
-    versions = set(re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE))
-    for package in PACKAGES:
-        folder = ROOT / "src" / package
-        versions.add(ElementTree.parse(folder / "package.xml").findtext("version"))
-        versions.update(re.findall(r'version="([^"]+)"', (folder / "setup.py").read_text()))
-    assert len(versions) == 1
+    """ROS reads that of each package in package.xml, and so does setup.py; the changelog names the latest one first."""
+    versions = {ElementTree.parse(ROOT / "src" / package / "package.xml").findtext("version") for package in PACKAGES}
+    versions.update(re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE))
+    versions.update(re.findall(r"^## \[(\d.*)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[:1])
+    assert versions == {ev_sim.__version__}
+    assert not any(ev_sim.__version__ in (ROOT / "src" / package / "setup.py").read_text() for package in PACKAGES)
 
 
 def test_a_release_moves_all_versions_and_gives_its_notes(tmp_path, capsys):
     for name in (*release.FILES, release.CHANGELOG):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
-    before = (tmp_path / release.CHANGELOG).read_text()
+    changelog = tmp_path / release.CHANGELOG
+    before = changelog.read_text().replace("## [Unreleased]\n", "## [Unreleased]\n\n### Added\n\n- A law.\n", 1)
+    changelog.write_text(before)
     for version in ("0.2", "0.0.9"):
         with pytest.raises(ValueError, match="is refused"):
             release.main(tmp_path, version)
@@ -47,10 +51,9 @@ def test_a_release_moves_all_versions_and_gives_its_notes(tmp_path, capsys):
     texts = [(tmp_path / name).read_text() for name in release.FILES]
     old = ElementTree.parse(ROOT / "src" / "ev_sim" / "package.xml").findtext("version")
     assert all("47.11.0" in text and old not in text for text in texts)
-    after = (tmp_path / release.CHANGELOG).read_text()
-    assert release.notes(after, "Unreleased") == "" and release.notes(after, "47.11.0") == release.notes(
-        before, "Unreleased"
-    )
+    after = changelog.read_text()
+    assert release.notes(after, "Unreleased") == ""
+    assert release.notes(after, "47.11.0") == release.notes(before, "Unreleased")
     assert (tmp_path / "build" / "release_notes.md").read_text().startswith("### Added")
     with pytest.raises(ValueError, match="nothing is unreleased"):
         release.main(tmp_path, "47.12.0")

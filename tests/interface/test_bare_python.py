@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 import sys
+import zipfile
 from collections.abc import Iterator
 from importlib.metadata import distribution
 from pathlib import Path
@@ -41,10 +42,22 @@ def tops(name: str) -> Iterator[Path]:
         yield Path(of.locate_file(top))
 
 
+def files_below(folder: Path, name: str) -> set[str]:
+    """The files that belong to a wheel, under the name that the folder has there."""
+    paths = (path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
+    return {f"{name}/{path.relative_to(folder)}" for path in paths}
+
+
 @pytest.mark.slow
 def test_wheels_and_the_notebook_need_nothing_else(tmp_path):
     wheels, bare = tmp_path / "wheels", tmp_path / "bare"
     subprocess.run([ROOT / "scripts" / "build_wheels.sh", wheels], check=True, capture_output=True)
+    held = {wheel.name.partition("-")[0]: {*zipfile.ZipFile(wheel).namelist()} for wheel in wheels.iterdir()}
+    assert {*held} == {*OWN, "ev_papers"}
+    for name, files in held.items():  # py.typed, published.csv, what pages are made of, and all configuration
+        assert f"{name}/py.typed" in files
+        assert files_below(ROOT / "src" / name / name, name) <= files
+    assert files_below(ROOT / "config", "ev_sim/config") <= held["ev_sim"]
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", bare], check=True)
     (site,) = bare.glob("lib/python*/site-packages")
     for name in needed("ev_sim") - set(OWN):

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +15,8 @@ import ev_sim
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.observer import last
 from ev_sim.commands.run_scenario import main
+from ev_sim.interface.driving import overrides
+from ev_sim.learning.environment import Environment
 from ev_sim.recording.recording import load, signal_hash
 
 
@@ -44,6 +49,47 @@ def test_signals_are_arrays_over_time(result):
     assert result._repr_html_().count("<img ") == 1
 
 
+def test_everything_that_a_program_calls_is_listed_before_it_is_imported():
+    """In a Python of its own: here all of it is imported already."""
+    code = "import sys, ev_sim; print(*dir(ev_sim)); assert 'ev_sim.interface' not in sys.modules"
+    shown = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split()
+    assert {"run", "batch", "Simulation", "Result", "BatchResult", "ParameterError", "SignalError"} <= {*shown}
+    assert all(hasattr(ev_sim, name) for name in shown)
+    assert sorted(ev_sim.__all__) == [name for name in shown if not name.startswith("_")]
+    with pytest.raises(AttributeError, match=r"^module 'ev_sim' has no attribute 'runs'$"):
+        _ = ev_sim.runs
+
+
+@pytest.mark.parametrize("call", [ev_sim.run, ev_sim.batch, ev_sim.Simulation, Environment])
+def test_what_may_be_changed_can_be_completed(call):
+    """The same words in every call, all by name, each with its type."""
+    found = inspect.signature(call).parameters
+    changed = {name: each.annotation for name, each in found.items() if each.kind is inspect.Parameter.KEYWORD_ONLY}
+    overridden = inspect.signature(overrides).parameters
+    assert changed == {name: each.annotation for name, each in overridden.items()}
+    assert not {inspect.Parameter.VAR_KEYWORD} & {each.kind for each in found.values()}
+
+
+def test_a_result_is_shown_in_a_few_lines(result):
+    lines = repr(result).splitlines()
+    assert lines[0] == f"Result of shchur2019, offline, signal hash {result.hash[:12]}"
+    measured = [name for name, metric in result.metrics.items() if metric.value is not None]
+    assert [line.split()[0] for line in lines[1:-1]] == measured[: len(lines) - 2] != []
+    assert lines[-1] == f"  and {len(result.metrics) - len(lines) + 2} more in .metrics"
+    assert repr(result.runs) == "{'shchur2019': Recording of 54 channels at 51 instants in 1 s}"
+
+
+def test_a_data_frame_has_the_units_of_its_columns(result, monkeypatch):
+    """With a stand-in for pandas, which the environment lacks: what is given to it, and where it keeps the units."""
+    frame = SimpleNamespace(attrs={})
+    pandas = SimpleNamespace(DataFrame=lambda columns, index: vars(frame).update(columns=columns, index=index) or frame)
+    pandas.Index = lambda values, name: (values, name)
+    monkeypatch.setitem(sys.modules, "pandas", pandas)
+    units = result.data_frame().attrs["units"]
+    assert units["imu.yaw_rate"] == "rad/s" and units["torque_command.drive.rear_left"] == "N m"
+    assert {*units} == {*frame.columns, frame.index[1]} and units["time"] == "s"
+
+
 def test_a_data_frame_needs_pandas(result, monkeypatch):
     """It is not among what the packages need; the error is Python's own, which names it."""
     monkeypatch.setitem(sys.modules, "pandas", None)
@@ -74,7 +120,8 @@ def test_a_scenario_of_ones_own_brings_its_metrics(tmp_path):
 def test_a_batch_is_the_runs_one_by_one():
     speeds = [2.0, 8.0]
     end = {"end": last("twist.longitudinal")}
-    found = ev_sim.batch("shchur2019", vary={"plant.initial_speed": speeds}, metrics=end, duration=0.2)
+    found = ev_sim.batch("shchur2019", vary={"plant.initial_speed": speeds}, metrics=end, duration="200 ms")
+    assert repr(found) == "BatchResult of end (2,); 0 failed"
     for i, speed in enumerate(speeds):
         alone = ev_sim.run("shchur2019", set={"plant.initial_speed": speed}, duration=0.2)
         assert found.metrics["end"][i] == alone.signals["twist.longitudinal"][-1] != 0.0
@@ -86,6 +133,8 @@ def test_a_batch_is_the_runs_one_by_one():
         ({"set": {"gamma": 1.0}}, "set: 'gamma' is refused, allowed is NODE.PARAMETER"),
         ({"method": {"asr": "on"}}, "asr: unknown asr method 'on'; known: "),
         ({"vehicle": "audi_a3"}, "unknown vehicle 'audi_a3'; did you mean audi_a2?"),
+        ({"duration": "5"}, "duration: '5' is refused, allowed is a number of seconds or such as '5 s'"),
+        ({"duration": [5.0]}, "duration: [5.0] is refused, allowed is a number of seconds or such as '5 s'"),
         ({"runs": ("first",)}, "unknown run of shchur2019 'first'; known: shchur2019"),
     ],
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import pickle
 import runpy
 import sys
@@ -15,9 +16,15 @@ from gymnasium.utils.env_checker import check_env
 
 import ev_sim
 import ev_sim.learning
+from ev_core.parameters.data_file import files_in_config
+from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError
+from ev_sim.interface.simulation import Simulation
 from ev_sim.learning.environment import ACTIONS, Environment
+from ev_sim.learning.limits import limits
+from ev_sim.recording.offline import written_topics
 from ev_sim.recording.recording import signal_hash
+from ev_sim.scenarios.about import vehicle_of
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "random_agent.py"
 NOISE = {"plant.sensors.imu_yaw_rate.noise": 0.01}
@@ -25,10 +32,60 @@ DURATION = 0.4
 
 
 @pytest.mark.parametrize("name", ev_sim.learning.IDS)
-@pytest.mark.filterwarnings("ignore:.*(Box (action|observation) space|render|no `spec`)")
+@pytest.mark.filterwarnings("ignore:.*(Box action space|no `spec`)")
 def test_environments_keep_the_rules_of_gymnasium(name):
-    """Bounds in N m are not -1 to 1, and a car's state has none: that is all that the checker remarks."""
-    check_env(gymnasium.make(name, duration=DURATION).unwrapped)
+    """Bounds in N m are not -1 to 1, but those of motors and hands: that is all that the checker remarks."""
+    check_env(gymnasium.make(name, duration=DURATION, render_mode="rgb_array").unwrapped)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "run"), [("double_lane_change", ""), ("launch_split_mu", "fixed_steering"), ("shchur2019", "")]
+)
+def test_everything_that_a_car_shows_lies_within_its_limits(scenario, run):
+    """On planar and kinematic plant, so that nothing is cut off."""
+    everything = [
+        topic.name.replace("/", ".") for topic in written_topics(Simulation(scenario, run=run).configurations)
+    ]
+    driven = {"set": {"plant.initial_speed": 22.0}} if scenario == "double_lane_change" else {}
+    environment = Environment(scenario, observe=everything, run=run, duration=2.0, **driven)
+    assert {*environment.observed} == {*environment.limits} >= {"pose.x", "torque_request.brake.rear_left"}
+    assert np.isfinite(environment.observation_space.high).all()
+    _, info = environment.reset(seed=1)
+    over = False
+    while not over:
+        seen, _, _, over, info = environment.step(info["own"])
+        assert seen.tolist() == [info["frame"][name] for name in environment.observed]
+
+
+@pytest.mark.parametrize("car", sorted(files_in_config("vehicles")))
+def test_every_channel_of_every_car_has_a_limit(car):
+    found = limits(tuple(frame.channels()), vehicle_of(car), duration=10.0, start={})
+    assert all(0.0 < limit.largest < math.inf and limit.reason for limit in found.values())
+
+
+def test_what_lies_beyond_a_limit_is_observed_as_the_limit():
+    """As a sensor saturates; a broken one shows 1000 rad/s here, where no car turns by more than 10 rad/s."""
+    broken = {"plant.faults": ["constant imu.yaw_rate -1000"]}
+    environment = Environment("double_lane_change", observe=("imu.yaw_rate",), set=broken)
+    environment.reset(seed=1)
+    seen, *_, info = environment.step(np.zeros(2))
+    assert info["frame"]["imu.yaw_rate"] == -1000.0 and seen.tolist() == [-10.0]
+    assert seen in environment.observation_space
+
+
+def test_a_picture_shows_the_car_where_it_is():
+    """The body is grey, and longer than it is wide: along the picture, and up where it has turned by 90 deg."""
+    for heading, along in ((0.0, 1), (math.pi / 2.0, 0)):
+        still = {"plant.initial_heading": heading}
+        environment = Environment("double_lane_change", render_mode="rgb_array", set=still)
+        environment.reset(seed=1)
+        pixels = environment.render()
+        body = np.argwhere((pixels[120:360, 120:360] == 211).all(axis=2))  # away from the letters
+        extent = np.ptp(body, axis=0)
+        assert pixels.shape == (480, 480, 3) and pixels.dtype == np.uint8
+        assert extent[along] > 1.5 * extent[1 - along] > 0
+    assert environment.metadata["render_fps"] == pytest.approx(1e9 / environment.simulation.period)
+    assert Environment("double_lane_change").render() is None
 
 
 @pytest.mark.parametrize(
@@ -111,6 +168,7 @@ def test_what_an_action_means():
     ("told", "said"),
     [
         ({"action": "brakes"}, "unknown action 'brakes'; known: steering, torque_split, traction_control"),
+        ({"render_mode": "human"}, "unknown render_mode 'human'; known: rgb_array"),
         ({"observe": ("imu.yaw",)}, "unknown channel 'imu.yaw'; did you mean imu.yaw_rate"),
     ],
 )

@@ -138,13 +138,13 @@ def stop_listening(node: Node) -> None:
 def leave(trouble: str | None = None) -> None:
     """Let the process end; SystemExit, with status 1 and a line on stderr, if there was trouble. No signal counts then.
 
-    To be called while the node still lives: one that is forgotten says goodbye, and takes its publishers out of the
-    graph one by one. Who removes a publisher that it has heard holds a lock of Fast DDS and waits for its own thread of
-    timed events: if that is just about to announce its process, and waits for the lock, the process is locked up for
-    ever (https://github.com/eProsima/Fast-DDS/issues/6502). Nodes that a runner has started end all together, and
-    nobody is left who needs to know: they leave without a word. Who else has followed the run misses them when their
-    lease is over, after 4 s. Only what they hear they take out of the graph (`stop_listening`), which makes nobody wait
-    for a timer: who wants to know that its last word has arrived shall not wait for them.
+    To be called while the node still exists: a collected node removes its publishers from the graph one by one. A
+    process that reads such a publisher then holds a lock of Fast DDS and waits for its own thread of timed events. If
+    that thread is just about to announce its process, and waits for the lock, the process is locked up for ever
+    (https://github.com/eProsima/Fast-DDS/issues/6502). Nodes of a runner end all together, and no other process needs
+    to know: they leave without removing their publishers. Other participants miss them when their lease is over, after
+    4 s. The nodes only remove their subscriptions (`stop_listening`), which waits for no timer: a writer that waits for
+    acknowledgements of its last message shall not wait for them.
     """
     turn_deaf()
     if SILENTLY in os.environ:

@@ -210,7 +210,7 @@ class MessageFormat:
         return self._layout.pack(*self._in_message(given))
 
     def read(self, message: bytes) -> tuple[int, Sequence[float]]:
-        """Stamp and numbers, by channel, of a message, whoever has sent it; MessageError if it is refused."""
+        """Stamp and numbers, by channel, of a message of any sender; MessageError if it is refused."""
         try:
             pieces = self._layout.unpack(message)
         except struct.error:

@@ -1,19 +1,43 @@
 """The world around the control laws; from Python `run`, `Simulation` and `batch` (docs/python.md)."""
 
-from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING
 
-__all__ = ["Simulation", "batch", "run"]
+if TYPE_CHECKING:
+    from ev_msgs_py.contract.fields import SignalError
+    from ev_msgs_py.refusal import ParameterError
+    from ev_sim.batches.batch import BatchResult
+    from ev_sim.interface.driving import batch, run
+    from ev_sim.interface.simulation import Simulation
+    from ev_sim.report.result import Result
+
+    __version__: str
+
+__all__ = ["BatchResult", "ParameterError", "Result", "SignalError", "Simulation", "batch", "run"]
 
 _MODULES = {
+    "BatchResult": "ev_sim.batches.batch",
+    "ParameterError": "ev_msgs_py.refusal",
+    "Result": "ev_sim.report.result",
+    "SignalError": "ev_msgs_py.contract.fields",
     "Simulation": "ev_sim.interface.simulation",
     "batch": "ev_sim.interface.driving",
     "run": "ev_sim.interface.driving",
 }
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     """What takes long to import is imported when it is asked for."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version(__name__)
     if name in _MODULES:
+        from importlib import import_module
+
         return getattr(import_module(_MODULES[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """What is there, whether it has been imported yet or not."""
+    return sorted({*globals(), *_MODULES, "__version__"} - {"TYPE_CHECKING"})

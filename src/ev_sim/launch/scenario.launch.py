@@ -28,7 +28,7 @@ def generate_launch_description():
 
 
 def nodes_of_run(context):
-    """What `ev-stack parameters` says, as actions."""
+    """The output of `ev-stack parameters`, as actions."""
     scenario, options, out = (
         LaunchConfiguration(name).perform(context) for name in ("scenario", "options", "out")
     )  # fmt: skip

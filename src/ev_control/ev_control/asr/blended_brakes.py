@@ -49,7 +49,7 @@ from ev_core.law import (
 
 @dataclass(frozen=True, slots=True)
 class BlendedBrakesParameters(BlendingParameters):
-    """Who brakes, what is kept, and what is known of the car; all assumptions."""
+    """Shares of drives and brakes, limits, and estimates of the car; all assumptions."""
 
     standing: float = parameter(
         1.0, unit="m/s", low=0.1, high=10.0, about="speed of the car below which brakes pass, and wheels may lock"

@@ -163,7 +163,7 @@ ONLY_OVERSTEER, EITHER_WAY = range(len(AGAINST))
 
 @dataclass(frozen=True, slots=True)
 class CourseStabilityParameters(AssistanceParameters):
-    """Who comes first, what the driver is taken to want, how firmly the car is held to it, and what the road holds."""
+    """Priority, the driver's assumed wish, the gain towards it, and the friction of the road."""
 
     first: str = parameter(
         "steering", choices=FIRSTS, about="what gets its part of the torque difference first: power steering or yaw",

@@ -1,12 +1,12 @@
-"""What no road vehicle does, so that no sensor is believed, and which wheel speeds can be.
+"""Readings that no road vehicle can produce, and wheel speeds that are plausible.
 
-A sensor that is dead, stuck, wrong or mixed up shows beside the speed of the car. A driven wheel cannot turn slower
-than it rolls, nor a braked one faster; a wheel without a motor that nobody brakes rolls; and no wheel turns at one
-speed, to the bit, while the others and the accelerometer show that the car changes its own. What a sensor gives beyond
-that, by more than tyres and bends explain, is left out at once, and the sensor counts as lost where that lasts. A
-driven wheel that turns faster may be slipping: there a sensor that reads too much cannot be told from a wheel that
-spins, and is not found. A wheel in the air, which nothing slows down in the model, is taken for stuck. An assumption of
-this project, no source has it.
+A sensor that is dead, stuck, wrong or swapped contradicts the speed of the car. A driven wheel cannot turn slower than
+it rolls, nor a braked wheel faster. A wheel without motor and brake torque rolls. No wheel keeps its speed to the bit
+while the others and the accelerometer show that the car changes its own. A reading beyond that, by more than tyres and
+bends explain, is excluded at once, and the sensor counts as lost if that lasts. A driven wheel that turns faster may
+be slipping. So a sensor that reads too much cannot be distinguished from a spinning wheel, and is not found. A wheel
+in the air, which nothing slows down in the model, counts as stuck. This is an assumption of this project, without a
+source.
 """
 
 from dataclasses import dataclass

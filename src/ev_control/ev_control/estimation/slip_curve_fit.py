@@ -162,7 +162,7 @@ class SlipCurveParameters:
 
 
 class FittedCurve(NamedTuple):
-    """The coefficients of y = A x + B g(x) [1]; both zero where the samples do not tell them apart."""
+    """The coefficients of y = A x + B g(x) [1]; both zero if the samples do not distinguish them."""
 
     a: float
     b: float
@@ -199,7 +199,7 @@ def slope(fit: SlipCurveFit, curve: FittedCurve, x: float) -> float:
 def fitted_peak(p: SlipCurveParameters, fit: SlipCurveFit) -> float:
     """Slip at which the fitted curve turns down, (B/(2 A))^2 or -A/(2 B) [1]; infinite where it rises throughout.
 
-    It is infinite as well where the curve does not fit, or the samples do not tell its coefficients apart.
+    It is infinite as well where the curve does not fit, or the samples do not distinguish its coefficients.
     """
     curve = fitted_curve(fit)
     if not fits(p, fit, curve):

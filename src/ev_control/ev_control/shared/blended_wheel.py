@@ -42,7 +42,7 @@ class SlipLimitedWheel:
 
 @dataclass(frozen=True, slots=True)
 class BlendingParameters:
-    """Who brakes, and how fast a friction brake is; all assumptions."""
+    """Shares of drive and friction brake, and the speed of a friction brake; all assumptions."""
 
     blending: str = parameter(
         "drives",

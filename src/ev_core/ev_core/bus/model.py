@@ -128,7 +128,7 @@ def advance_channel(c: ChannelFrames, p: BusModelParameters, s: ChannelState, ch
 
 @compilable
 def _arrive(s: ChannelState) -> None:
-    """The frame on the wire has ended: whoever awaits it has it, in the place of one that was not taken."""
+    """The frame on the wire has ended: its receivers have it, in the place of one that was not read."""
     if s.on_wire == NO_PLACE:
         return
     place = int(s.on_wire)

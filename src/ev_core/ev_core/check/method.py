@@ -83,7 +83,7 @@ def _findings(
         subject = Subject(configuration, compiled, steps, inputs)
         found = list(_of(subject, seeds, mirrored))
         yield from found
-        if found:  # what plain Python shows need not be said twice, and compiled code would fail less gently
+        if found:  # findings of plain Python need not be repeated, and compiled code would fail less gently
             return
     if can_compile:
         differs = _first(state.differing_bits(configuration, steps, seed, inputs) for seed in seeds)

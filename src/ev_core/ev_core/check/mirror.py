@@ -1,7 +1,7 @@
 """Left and right alike: a mirrored car in mirrored motion gets the mirrored answer, to the bit.
 
-Mirrored means: values of left and right wheels are exchanged, and `lateral` quantities change their sign, which say it
-where they are declared, at the field of the signal or at the parameter. Zero has no sign here.
+Mirrored means: values of left and right wheels are exchanged, and `lateral` quantities change their sign. A quantity
+declares this at the field of its signal or at its parameter. Zero has no sign here.
 """
 
 import re

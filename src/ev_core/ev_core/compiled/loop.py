@@ -82,7 +82,7 @@ def run_instants(
 def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answering: int, stopped: np.ndarray) -> int:
     """Drive a whole run from its start on two frames, in turn that of the instant and the next one; as `run_instants`.
 
-    `times` are those of the instants [s]. The third number in `stopped` says which of the frames is meant.
+    `times` are those of the instants [s]. The third number in `stopped` is the index of the frame.
     """
     for i in range(answering, parts.shape[0]):
         stopped[0], stopped[1], stopped[2] = 0, i, 0

@@ -1,6 +1,6 @@
 """Why a law cannot be compiled, in one line: file, line, what is wrong, what to write instead.
 
-The compiler says the same in hundreds of lines of its own text, with the cause in the middle. What it compiles into
+The compiler reports the same in hundreds of lines, with the cause in the middle. What it compiles into
 something else than the text says, or into what never ends, is found in the text before.
 """
 
@@ -31,7 +31,7 @@ _PLACE = re.compile(r'File "(?P<file>[^"<]+)", line (?P<line>\d+)|Raised from (?
 _CALLED = re.compile(r"resolving callee type: Function\(<(?:built-in function|function|ufunc|class) '?([\w.]+)")
 _CAUSE = re.compile(r"(?:Failed in nopython mode pipeline.*\n\s*|raised a specific error:\n\s*\w+: (?!Failed))(\S.*)")
 _OTHERS = "site-packages"  # of a path: no text of ours or of the user
-# What the compiler says, and what that means for who writes a law; \1 is what stands in the first bracket.
+# Texts of the compiler, and their meaning for the author of a law; \1 is what stands in the first bracket.
 _MEANINGS = (
     (
         r"Untyped global name '(\w+)':.*<class 'function'>",
@@ -72,7 +72,7 @@ def wrong_answer(method: Method, parameters: Any, vehicle: Any, period: float) -
 
 
 def wrong_text(method: Method, functions: Iterable[FunctionType]) -> str:
-    """One line about the first of these functions whose text does not mean what it says; empty if there is none."""
+    """One line about the first of these functions that would do something else compiled; empty if there is none."""
     law = law_of(method)
     marked = set(FUNCTIONS)
     for function in filter(marked.__contains__, functions):

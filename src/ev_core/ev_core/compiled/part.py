@@ -105,7 +105,7 @@ class CompiledPart:
         return self.function, *self._memory
 
     def notes(self) -> tuple[str, ...]:
-        """What the law says of its state."""
+        """The law's declaration of its state."""
         if self._notes:
             fill(self.given.values["s"], self._state.tolist())
         return self._notes() if self._notes else ()
@@ -145,7 +145,7 @@ def row_function(kind: type) -> int:
 
 
 class RowPart:
-    """What a row of sensors or of faults says, behind one object; `state` are its numbers, advanced in place."""
+    """The outputs of a row of sensors or of faults, behind one object; `state` are its numbers, advanced in place."""
 
     def __init__(self, row: SensorRow | FaultRow) -> None:
         self.constants, self.state = np.array(row.constants), np.array(row.state)

@@ -21,7 +21,7 @@ from ev_core.compiling.inside_numba import options_of
 from ev_msgs_py.compilable import INLINED
 
 _NOTHING = object()
-_FOREIGN = ("numpy", "numba", "llvmlite")  # their versions say what is in them, as Python's does of its own
+_FOREIGN = ("numpy", "numba", "llvmlite")  # their versions determine their content, like Python's own
 _OF_PYTHON = os.path.dirname(os.__file__)
 
 

@@ -115,7 +115,7 @@ def _libraries() -> tuple[type, type]:
             self._finalized = True
 
     class Inlined(Callee):
-        """Left as it is: whoever takes it in optimises it there."""
+        """Left as it is: the library that includes it optimises it there."""
 
         def _optimize_final_module(self) -> None:
             pass

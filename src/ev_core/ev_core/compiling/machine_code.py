@@ -30,7 +30,7 @@ FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 4)
 _SETTINGS = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_OPT", inside_numba.VARIABLE)
 _KEPT_TEXTS = 8  # of one name: those of other checkouts, of branches and of tests come back
 _MAKERS = ("numba", "llvmlite", "numpy")
-# Modules that tell the compiler what no text shows: its options, and what it makes of functions of ours.
+# Modules that give the compiler what no text shows: its options, and its treatment of our functions.
 _TELLING = ("inside_numba", "machine_code")
 _DIGITS = 12
 _CODE = "code"
@@ -61,7 +61,7 @@ def function_address(
 ) -> int:
     """The address of the C function `step` of a text that uses these names: loaded from disk, or compiled first.
 
-    Before it is compiled, `look_at` may refuse what the text reaches. Who finds another process compiling it waits.
+    Before it is compiled, `look_at` may refuse what the text reaches. A process waits while another one compiles it.
     """
     key = key_of(name, text, names)
     if key not in _addresses:

@@ -29,7 +29,7 @@ _OTHERS = stat.S_IWGRP | stat.S_IWOTH
 
 @cache
 def cache_folder() -> Path:
-    """Where EV_STACK_CACHE says, else `ev_stack` in the user's cache folder (XDG_CACHE_HOME, ~/.cache).
+    """The folder of EV_STACK_CACHE, else `ev_stack` in the user's cache folder (XDG_CACHE_HOME, ~/.cache).
 
     Where that cannot be written, a folder that goes with this process; one line says so. ParameterError if others
     could put something there.
@@ -53,7 +53,7 @@ def cache_folder() -> Path:
 
 
 def _of_user() -> Path:
-    named = os.environ.get("XDG_CACHE_HOME", "")  # a relative one does not count, says its specification
+    named = os.environ.get("XDG_CACHE_HOME", "")  # a relative one does not count, by its specification
     return (Path(named) if os.path.isabs(named) else Path(os.path.expanduser("~")) / ".cache") / "ev_stack"
 
 
@@ -66,7 +66,7 @@ def _for_now(wanted: Path) -> Path:
 
 
 def _danger(folder: Path) -> str:
-    """Who else could put something into a folder, or another one or a link into its place; empty if nobody."""
+    """Other users who could write into a folder, or replace it by another one or a link; empty if none."""
     user, real = os.getuid(), folder.resolve()
     for path in dict.fromkeys((*reversed(folder.parents), folder, *reversed(real.parents), real)):
         found = path.lstat()

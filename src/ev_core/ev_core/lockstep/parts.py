@@ -163,7 +163,7 @@ def is_compiled(configuration: Configuration, may_wait: bool = True) -> bool:
         return False
     if not can_be_kept():
         return False
-    with suppress(ParameterError):  # plain Python says what is wrong with it, when it gets there
+    with suppress(ParameterError):  # plain Python reports what is wrong with it, when it gets there
         method_part(configuration, compiled=True)
         return True
     return False

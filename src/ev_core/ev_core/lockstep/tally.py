@@ -1,8 +1,8 @@
 """Inputs and outputs of a node, added up step by step, so that both ends of a topic can be compared after a run.
 
 The sum of a topic goes over the numbers of all steps, as words of 32 bits, each times a secret odd number of its place
-and one of its step, modulo 2^64 (multilinear hashing: Carter & Wegman 1979, Lemire & Kaser 2014). Who speaks in the
-name of another node and does not know the key cannot choose other numbers that leave the sum as it was.
+and one of its step, modulo 2^64 (multilinear hashing: Carter & Wegman 1979, Lemire & Kaser 2014). A sender in
+the name of another node that does not know the key cannot choose other numbers that leave the sum unchanged.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What a class offers that is a method, as protocols: one per kind of role, and what it may offer besides.
 
 A class satisfies them by having what they name; it need not inherit from anything. `check.method.check_method` holds it
-against what the docstrings say. Its objects are made by `factory(parameters, vehicle, period)`, and are at rest then:
+against the docstrings. Its objects are made by `factory(parameters, vehicle, period)`, and are at rest then:
 `parameters` are an instance of its parameter dataclass, `vehicle` is the `Vehicle` and `period` the control period [s].
 An object knows nothing else: no clock, no random numbers but seeded ones whose generator is in the state, no other
 object. Its `state` is all that lasts between steps: None, or a row of numbers, which can be set to that of another one.
@@ -11,7 +11,7 @@ The class itself has `parameters`, the parameter dataclass, and may have
 - `writes`, the part of its role's signals that it can know; without it all,
 - `requires`, by role the method, or by ROLE.PARAMETER its value, without which it makes no sense,
 - `needs`, what the vehicle must have (`vehicle.car.Need`),
-- `mirrored`, whether left and right are alike to it: `check.mirror` says what that means.
+- `mirrored`, whether left and right are alike to it: `check.mirror` defines it.
 """
 
 from typing import Any, Protocol, runtime_checkable
@@ -24,10 +24,10 @@ class Answering(Protocol):
     """Plays a role that answers at once."""
 
     def step(self, *signals: Any, **_by_name: Any) -> Any:
-        """The signal that the role writes, from the signals of the same instant; of several a tuple, as in `writes`.
+        """The signal that the role writes, from the signals of the same instant; a tuple of several, as in `writes`.
 
-        The annotations of the arguments say which signals are read. They are finite. The answer is finite as well, or
-        the step is refused: by SignalError where a number is not, or by any ValueError of its own.
+        The annotations of the arguments name the signals that are read. They are finite. The answer is finite as well,
+        or the step is refused: by SignalError if a number is not, or by a ValueError of the law.
         """
 
 
@@ -44,10 +44,10 @@ class Integrating(Protocol):
 
 @runtime_checkable
 class Reporting(Protocol):
-    """May be offered besides: says what is worth knowing about the run."""
+    """An optional hook: gives what is worth knowing about the run."""
 
     def reports(self) -> tuple[str, ...]:
-        """All of it up to now, each text once and in the order in which it came up; told to the user."""
+        """All of it up to now, each text once and in the order in which it came up; shown to the user."""
 
 
 @runtime_checkable

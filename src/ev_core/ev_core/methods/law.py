@@ -29,7 +29,7 @@ class NoState:
 
 @dataclass(frozen=True)
 class Law:
-    """A method as functions; its first arguments say what they need of
+    """A method as functions; its first arguments name what they need of
 
     - `p`: the numbers of the parameters, groups nested, a choice as its place among the choices, a switch as 0 or 1,
     - `car`: the numbers of the vehicle (`car.car_numbers`),
@@ -40,7 +40,7 @@ class Law:
     `function` gives the answer of a role that answers, and advances the state of one that integrates, whose `outputs`
     then give what it writes: one signal, or a tuple of them in the order of `writes`. `start` makes the initial state
     where it is not that of the declaration. `in_real_time` has defaults that others have there, by ROLE.PARAMETER.
-    `notes` says what is worth knowing about the run so far. `mirrored` claims that left and right are alike to it
+    `notes` gives what is worth knowing about the run so far. `mirrored` claims that left and right are alike to it
     (`check.mirror`).
     """
 

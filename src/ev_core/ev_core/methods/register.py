@@ -122,10 +122,10 @@ class Method:
 
     @property
     def inputs(self) -> tuple[type, ...]:
-        """The signals that a step waits for: those it reads, and what else the node has to hear.
+        """The signals that a step waits for: those it reads, and others that the node has to receive.
 
-        The master hears everybody else who integrates, so that it leaves nobody behind; of optional roles it reads
-        something where they are played, or nobody plays them. The others hear the master
+        The master reads every other role that integrates, so that it leaves none behind; of optional roles it reads
+        something where they are played, or nobody plays them. The others read the master
         or, if they answer at once, somebody who does so before them: that is how they learn of a new run.
         """
         topics = tuple(signal for signal in self.reads if signal is not Instant)
@@ -170,7 +170,7 @@ class Method:
 
     @property
     def plays_back(self) -> bool:
-        """Whether it says what was recorded, whoever said it then."""
+        """Whether its outputs are recorded ones, of any method."""
         return isinstance(self.name, str) and self.name.endswith(RECORDINGS)
 
     @property
@@ -187,7 +187,7 @@ class Method:
 def method(role: str, name: str, parameters: type | None = None, **how: Any) -> Callable[[T], T]:
     """Register a class or a function as a method of a role.
 
-    A class has what `lockstep.hooks` says: by the kind of its role that of `Answering` or `Integrating`, and what it
+    A class has the hooks of `methods.hooks`: by the kind of its role those of `Answering` or `Integrating`, and what it
     declares and offers besides. A function comes with its parameter dataclass and, in `how`, what else
     `lockstep.law.Law` has.
 

@@ -59,13 +59,13 @@ def size_of(signals: tuple[type, ...]) -> int:
 
 @cache
 def signals() -> tuple[type, ...]:
-    """Every signal of the interface; its place is that of its bit in what a law says it reads."""
+    """Every signal of the interface; its place is that of its bit in a law's declaration of its inputs."""
     every = (signal for role in LAW_ROLES for signal in (*reads_of(role), *ROLES[role].writes))
     return tuple(dict.fromkeys(every))
 
 
 def bit(signal: type) -> int:
-    """The bit by which a law says that it reads a signal."""
+    """The bit by which a law declares that it reads a signal."""
     return 1 << signals().index(signal)
 
 

@@ -154,7 +154,7 @@ class OrdinarySteps:
             self._wait_set = rclpy_implementation.WaitSet(1, 1, 0, 0, 0, 0, context)
         inputs = [reader.end for reader in self._readers]
         self._head = np.zeros(1, LOOP)
-        self._words = memoryview(self._head.view(np.int64))
+        self._words = self._head.view(np.int64).data
         self._inputs, self._outputs = np.zeros(len(inputs), INPUT), np.zeros(len(outputs), OUTPUT)
         self._senders = np.full((len(inputs), _SENDERS, 2), -1)
         self._runs = np.array([tuple(run) for end in (*inputs, *outputs) for run in end.format.runs], RUN)

@@ -148,7 +148,7 @@ _LASTS = 0.2  # s without a step until a node waits, and between two words
 
 
 class Waiting:
-    """Says again and again whom a node waits for where its steps stand still; `look` is to be called often."""
+    """Reports repeatedly which nodes a node waits for while its steps stand still; `look` is to be called often."""
 
     def __init__(self, runner: RunnerLine) -> None:
         self._runner = runner

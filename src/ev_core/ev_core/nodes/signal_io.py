@@ -21,7 +21,7 @@ from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
 from ev_msgs_py.wire import format_of
 
 _SOON, _LATER = 0.01, 0.2  # s of wall time between looks into the graph for a sender: not known yet, refused
-_KEPT = 100  # senders of whom it is known when they were looked up
+_KEPT = 100  # senders whose last look-up is remembered
 NAMELESS = "_UNKNOWN_"  # in the names that the middleware gives to what it knows no name of
 _LONG = 3.0  # s for the graph to name the node of a publisher
 
@@ -155,7 +155,7 @@ class PolledGroup(MutuallyExclusiveCallbackGroup):
 class Reader:
     """Receives a topic from its admitted publisher, from everybody without a `speaker`.
 
-    Serialized messages go to `receive` if an executor takes them, else to whoever calls `take`.
+    Serialized messages go to `receive` if an executor takes them, else to the caller of `take`.
     """
 
     def __init__(

@@ -103,7 +103,7 @@ class Spinnable:
         """The process ends."""
 
     def every(self: Any, period: float, call: Callable[[], object]) -> None:
-        """Call something by the wall clock, whoever runs the node: rclpy's own executors know nothing but timers."""
+        """Call a function by the wall clock, in any executor: rclpy's own executors know nothing but timers."""
         self.create_timer(period, call, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
 

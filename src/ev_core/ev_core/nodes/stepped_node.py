@@ -128,7 +128,7 @@ class SteppedNode(Spinnable, Node):
         """Called when new parameter values are taken over."""
 
     def idle(self) -> None:
-        """Tell the runner for whom the next step waits, nobody if its time has not come; in real time nothing."""
+        """Report to the runner the nodes that the next step waits for, none before its time; in real time nothing."""
         if not self.realtime:
             whom = [WRITERS.get(signal, RECORDER) for signal in self.wanted()]
             self._waiting.look(self.stepper.inbox.last, whom)

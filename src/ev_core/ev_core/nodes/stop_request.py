@@ -49,7 +49,7 @@ def end_stopped(*_: object) -> NoReturn:
     """
     turn_deaf()
     atexit._run_exitfuncs()
-    with suppress(OSError, ValueError):  # whoever reads the output may be gone
+    with suppress(OSError, ValueError):  # the reader of the output may be gone
         print("stopped", file=sys.stderr, flush=True)
         sys.stdout.flush()
     os._exit(STOPPED)
@@ -113,7 +113,7 @@ class StopRequest:
     """Remembers, for the time of its `with` block, that SIGINT or SIGTERM came.
 
     rclpy's own handlers shut its context down under a node that is just using it, and Python's interrupt any line.
-    This leaves everything intact, so that whoever runs can finish what it does and clean up. A second signal raises
+    This leaves everything intact, so that the running code can finish and clean up. A second signal raises
     KeyboardInterrupt wherever the program is, unless the request is `patient`. For the main thread only.
     """
 

@@ -69,7 +69,7 @@ _KINDS = ((stat.S_ISDIR, "a folder"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK,
 
 
 class TextOfFile(str):
-    """A text that `file` says: as a path it leads less far than one that the user says."""
+    """A text from `file`: as a path it leads less far than one from the user."""
 
     file: Path
 
@@ -94,7 +94,7 @@ def refuse_outside(name: str, path: Path) -> None:
 
 @contextmanager
 def files_read() -> Iterator[dict[str, str]]:
-    """By path the SHA-256 of every file of data that is opened, or told to be needed, in the meantime."""
+    """By path the SHA-256 of every file of data that is opened, or reported as needed, in the meantime."""
     read: dict[str, str] = {}
     _listening.append(read)
     try:
@@ -117,7 +117,7 @@ def _tell(path: Path | str, file: BufferedReader) -> None:
 
 
 def open_data(path: Path | str, most: int) -> IO[bytes]:
-    """A regular file of at most so many bytes; OSError, whose strerror says what is allowed, for anything else."""
+    """A regular file of at most so many bytes; OSError, whose strerror gives what is allowed, for anything else."""
     opened = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
     try:
         found = os.fstat(opened)
@@ -138,7 +138,7 @@ def open_data(path: Path | str, most: int) -> IO[bytes]:
 
 
 def read_data(path: Path | str, most: int) -> bytes:
-    """The bytes of a file of data; OSError as `open_data`, also if it has more of them than it says, as in /proc."""
+    """The bytes of a file of data; OSError as `open_data`, also if it has more of them than its size, as in /proc."""
     with open_data(path, most) as file:
         content = file.read(most + 1)
     if len(content) > most:
@@ -220,7 +220,7 @@ class RecordingError(ValueError):
 def read_arrays(path: Path | str) -> dict[str, np.ndarray]:
     """The arrays of signals.npz by name; FileNotFoundError, or RecordingError if they are damaged or too large.
 
-    Nothing is made of what the file says of sizes before these fit each other: a few bytes can claim any.
+    Nothing is allocated by the sizes in the file before these agree: a few bytes can claim any size.
     """
     try:
         with open_data(path, SIGNALS) as file, zipfile.ZipFile(file) as archive:

@@ -48,12 +48,12 @@ class Spec:
 
 
 def parameter(default: Any, *, about: str, source: str = _ASSUMED, **more: Any) -> Any:
-    """Declare one field of a parameter dataclass, with what else `Spec` has by name.
+    """Declare one field of a parameter dataclass; `more` are further fields of `Spec` by name.
 
     `low` and `high` are inclusive and in `unit` (SI, "1" for a pure number, empty for text and switches); for an array
-    they hold for each element. `source` says where the default comes from. `read_only` parameters are fixed when a node
-    starts. Where left and right are exchanged, `lateral` ones change their sign, and arrays `per_wheel` are in another
-    order; `own` ones are declared by `own`.
+    they hold for each element. `source` is where the default comes from. `read_only` parameters are fixed when a node
+    starts. When left and right are exchanged, `lateral` parameters change their sign, and arrays `per_wheel` their
+    order. Parameters `own` are declared by `own`.
     """
     return field(default=default, metadata={_SPEC: Spec(about, source=source, **more)})
 

@@ -1,7 +1,7 @@
 """Values for declared parameters, also with a unit ("80 km/h"), checked and refused in one clear line.
 
 Numbers with a unit as people write them, "80 km/h", made into the unit in which a parameter is declared.
-A list and no algebra of units: what is accepted can be read here, and stands in what a refusal says.
+A list and no algebra of units: the accepted units can be read here, and a refusal lists them.
 """
 
 import dataclasses

@@ -72,7 +72,7 @@ def speed_along_path(body: BodyVelocity) -> float:
 def front_wheel_tangents(mean: float, wheelbase: float, front_track: float, parallel: float) -> tuple[float, float]:
     """Tangents of the left and the right front wheel's angle from that of the mean one; a number or an array (n,).
 
-    Ackermann geometry, or with `parallel` 1 both alike, as `steering_geometry` of the vehicle says; left positive,
+    Ackermann geometry, or with `parallel` 1 both alike, by `steering_geometry` of the vehicle; left positive,
     lengths in m. With the mean tangent in the numerator straight ahead needs no case of its own. Source: Shchur 2019,
     eq 8.
     """

@@ -64,7 +64,7 @@ def _size(place: str) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Driveline:
-    """How drive torque reaches the wheels; what an axle does not say itself is that of the car."""
+    """How drive torque reaches the wheels; an axle without a value of its own has that of the car."""
 
     coupling: str = setting(
         "individual",

@@ -20,7 +20,7 @@ _of_winding = partial(
 class Winding:
     """A synchronous machine with magnets on the surface of its rotor: one inductance in both axes.
 
-    Its resistance is not told twice: the motor's `copper_loss` and the torque constant 3/2 p psi give it.
+    Its resistance is not declared twice: the motor's `copper_loss` and the torque constant 3/2 p psi give it.
     """
 
     pole_pairs: int = _of_winding(10, unit="1", low=1, high=100, about="pole pairs, p")

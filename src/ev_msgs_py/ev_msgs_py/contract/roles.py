@@ -41,7 +41,7 @@ class Role:
         return (*self.writes, *self.offers)
 
 
-# In the order in which they are published: first what the driver waits for, with whom every step begins.
+# In the order of publishing: first the inputs of the driver, with which every step begins.
 _BODY = (
     signals.WheelStates,
     signals.BodyVelocity,

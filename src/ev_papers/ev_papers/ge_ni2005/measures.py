@@ -1,4 +1,4 @@
-"""What Ge & Ni (2005) are judged by: the steady turn with equal torques, and what the law is said to change against it.
+"""Measures of Ge & Ni (2005): the steady turn with equal torques, and the claimed changes by the law.
 
 Each public function measures one number of published.csv; `run` is the run of the scenario that it is measured on.
 """
@@ -17,7 +17,7 @@ from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioRuns, StudyCases
 
 BASELINE = "equal_torque"
-# A boundary layer as wide as any slip: what the reading `offset` adds to T* is k D, which tells the target.
+# A boundary layer as wide as any slip: what the reading `offset` adds to T* is k D, which gives the target.
 WIDE = 1.0
 OUTER_GAIN = 100.0  # k_R [N m]
 

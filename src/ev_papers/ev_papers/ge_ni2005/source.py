@@ -34,7 +34,7 @@ from ev_sim.verdicts.verdict import metrics_at_hand
 READINGS = ("rate", "offset", "increment")
 FREE_SPEED, FULL_CAR = "_free_speed", "_full_car"
 CASES = ("", FREE_SPEED, FULL_CAR, FULL_CAR + FREE_SPEED)  # what the names of runs end with: car and speed
-# What the law is said to change against equal torques; on the speed of the car with u free, on all else with u held.
+# What the law is claimed to change against equal torques; on the speed of the car with u free, on all else with u held.
 ORDERINGS = tuple(
     f"ge.claim.{name}" for name in ("beta", "radius", "centripetal", "yaw_rate", "v", "slip_use", "speed")
 )

@@ -1,4 +1,4 @@
-"""A differential by wheel speeds beside the slip targets of Ge & Ni (2005): what they say against it, in their runs."""
+"""Wheel-speed control beside the slip targets of Ge & Ni (2005): their arguments against it, in their runs."""
 
 from __future__ import annotations
 

@@ -90,7 +90,7 @@ BY_LAW = ("k05", "k1", "equality")
 FIXED = "fixed_split"
 CONTROLS = (REAR_DRIVE, *BY_LAW, FIXED)
 LAW = "electronic_differential"
-FURTHER_READINGS = {  # of the source besides those that have a run of their own: that run, and what the law is told
+FURTHER_READINGS = {  # of the source besides those that have a run of their own: that run, and the law's parameters
     "k048": ("k1", ((LAW, "factor", "inertia"),)),
     "k1_derived": ("k1", ((LAW, "second_branch", "derived"),)),
     "k1_rear_share": ("k1", ((LAW, "second_branch", "rear_share"),)),

@@ -18,6 +18,7 @@ from ev_core.lockstep.graph import check_graph
 from ev_core.lockstep.parts import method_part, row_parts
 from ev_core.lockstep.run import refuse_not_finite, roles_in_order
 from ev_core.methods.register import CommonParameters
+from ev_core.parameters.declaration import entries
 from ev_core.parameters.values import check, entries_by_name, plain
 from ev_core.sensors.row import SensorRow
 from ev_msgs_py.contract import frame, stamps
@@ -64,7 +65,8 @@ class Variation:
 
     def _refuse(self, name: str, parameter: str, role: str, for_all: bool) -> None:
         configuration = self._configurations[role]
-        fixed = (*_OF_ALL_RUNS, *(entries_by_name(type(configuration.extra)) if configuration.extra else ()))
+        extra = entries(configuration.extra) if configuration.extra is not None else ()
+        fixed = (*_OF_ALL_RUNS, *(entry.name for entry in extra))
         if parameter in fixed:
             raise ParameterError(f"{name} is refused: all runs of a batch have the same {parameter}")
         known = configuration.values()
@@ -145,7 +147,7 @@ class Runs:
         self._observation, self._times = observation, times
         self._measures = measures
         self._varied = {role: variation.configurations(role) for role in configurations}
-        first = {role: self._varied[role][0] if self._varied[role] else configurations[role] for role in configurations}
+        first = {role: varied[0] if varied else configurations[role] for role, varied in self._varied.items()}
         made = {role: method_part(configuration, compiled=True) for role, configuration in first.items()}
         self._shared = {role: part for role, part in made.items() if not variation.concerns_method(role)}
         # What is compiled is compiled here, and not by several threads at once.
@@ -175,7 +177,7 @@ class Runs:
                 self._measures.take(run, whole, of)
             return ""
         instant, place, which = stopped.tolist()
-        role = [*before, *observing, *behind][place].role
+        role = [*(p.role for p in before), *("" for _ in observing), *(p.role for p in behind)][place]
         try:
             refuse_not_finite(frames[which], self._base[role].method.writes)
         except SignalError as error:
@@ -208,7 +210,7 @@ def _refuse_states(role: str, states: np.ndarray, size: int) -> None:
 _PORTIONS = 16  # for each thread
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BatchResult:
     """What is kept of the runs of a batch.
 
@@ -221,6 +223,10 @@ class BatchResult:
     signals: Mapping[str, np.ndarray]
     time: np.ndarray
     failed: Mapping[int, str]
+
+    def __repr__(self) -> str:
+        kept = ", ".join(f"{name} {np.shape(values)}" for name, values in {**self.metrics, **self.signals}.items())
+        return f"BatchResult of {kept or 'nothing'}; {len(self.failed)} failed"
 
 
 def batch(

@@ -1,6 +1,6 @@
 """What comes from a running graph: the newest numbers of all topics as one row, and what nodes report in /diagnostics.
 
-The graph knows of whom a report is, and any node may take that name.
+The graph knows the node of a report, and any node may take that name.
 """
 
 from __future__ import annotations

@@ -150,7 +150,7 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
             self._sent = self._write(row)
 
     def _write(self, message: str | bytes) -> Any:
-        """What tells when the message has left; None if the page has gone, which it may do at any moment."""
+        """A future that ends when the message has left; None if the page has gone, which it may do at any moment."""
         try:
             return asyncio.ensure_future(self._left(self.write_message(message, isinstance(message, bytes))))
         except tornado.websocket.WebSocketClosedError:

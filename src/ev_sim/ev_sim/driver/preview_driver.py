@@ -113,7 +113,7 @@ def look_ahead(
         rate += gain * _turn(along_x, along_y, then_x, then_y)
         along_x, along_y, next_x, next_y = then_x, then_y, ahead_x, ahead_y
     angle = s.arms  # of this instant: that of the next one would make him quicker by a control period
-    if rate - rate == 0.0:  # else inputs overflow, which tell the hands nothing
+    if rate - rate == 0.0:  # else inputs overflow, which have no meaning for the hands
         s.intended = min(max(s.intended + period * rate, -p.max_angle), p.max_angle)
     s.arms += c.share * (s.intended - s.arms)
     return angle

@@ -119,7 +119,7 @@ def motion_panels(runs: Runs, *names: str) -> list[Panel]:
 PANEL_WIDTH, PANEL_HEIGHT = 4.6, 1.9  # of a panel with its labels [inch]
 TITLE_SIZE, TEXT_SIZE = 9.0, 8.0  # [pt]
 
-# Okabe and Ito's colours can be told apart with every kind of colour vision; the dashes also in print, and they
+# Okabe and Ito's colours can be distinguished with every kind of colour vision; the dashes also in print, and they
 # let a curve be seen under another one.
 SOLID, DASHED, DOTTED, MIXED = "-", (0, (4, 2)), (0, (1, 1.2)), (0, (6, 2, 1, 2))
 _FIRST = (

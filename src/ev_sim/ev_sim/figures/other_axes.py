@@ -35,7 +35,7 @@ def contours(
 
 
 _WIDTH, _HEIGHT = 4.6, 2.5  # of a panel with its labels [inch]
-_FINE, _BEYOND = "#CFE3F0", "#E8A27C"  # below and from the limit on; the number in the cell says how far
+_FINE, _BEYOND = "#CFE3F0", "#E8A27C"  # below and from the limit on; the number in the cell is the distance
 
 
 def heat_maps(
@@ -120,7 +120,7 @@ def plan_view(
 ) -> Figure:
     """A figure of tracks, y over x [m], along and across to the same scale.
 
-    A course that would be too narrow to be seen is drawn larger across, and its title says how much. `cones` (n, 2)
+    A course that would be too narrow to be seen is drawn larger across, and its title gives the factor. `cones` (n, 2)
     [m] are drawn as rings, filled where `hit` (n,) says so.
     """
     figure = new_figure(_ACROSS, _ACROSS)  # until it is known what is drawn

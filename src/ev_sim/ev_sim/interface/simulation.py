@@ -9,7 +9,6 @@ import copy
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,7 @@ from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.interface.driving import only_run, overrides
+from ev_sim.interface.driving import Name, only_run, overrides
 from ev_sim.recording.recording import Recording, recording_of
 from ev_sim.scenarios.scenario import Run
 
@@ -107,21 +106,31 @@ class Simulation:
 
     After `reset` and after each `step` the frame shows an instant as far as it goes without them: all that integrates,
     and the answers of the roles in front of the first one that is left out. `step` puts in what is given, lets the
-    others answer, and integrates to the next instant. `run` names which run is meant if there are several, `changed` is
-    that of `ev_sim.run`. With `record` the frames are kept for `recording`.
+    others answer, and integrates to the next instant. `run` names which run is meant if there are several; the
+    arguments from `method` on are those of `ev_sim.run`. With `record` the frames are kept for `recording`.
 
     ParameterError, in one line, if something is refused; SignalError if a number becomes not finite.
     """
 
     def __init__(
         self,
-        scenario: str | PathLike[str] | Run,
+        scenario: Name | Run,
         without: Sequence[str] = (),
         run: str = "",
         record: bool = True,
-        **changed: Any,
+        *,
+        method: Mapping[str, str] | None = None,
+        set: Mapping[str, Any] | None = None,
+        seed: int | None = None,
+        duration: float | str | None = None,
+        vehicle: Name | None = None,
+        params: Iterable[Name] = (),
+        cycle: Name | None = None,
     ) -> None:
-        of = scenario if isinstance(scenario, Run) else only_run(scenario, run, overrides(**changed))
+        changed = overrides(method, set, seed, duration, vehicle, params, cycle)
+        if isinstance(scenario, Run) and (run or changed != overrides()):
+            raise ParameterError(f"run {scenario.name} is configured already, allowed is a name or path with changes")
+        of = scenario if isinstance(scenario, Run) else only_run(scenario, run, changed)
         for role in without:
             if role not in of.configurations:
                 raise unknown_name("role", role, of.configurations)
@@ -156,7 +165,7 @@ class Simulation:
             self.configurations = {role: each.changed({"seed": seed}) for role, each in self.configurations.items()}
         self._make_parts()
         self._here, self._next = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
-        self._instant, self._frames = 0, []
+        self._instant, self._frames = 0, list[np.ndarray]()
         for role in self._integrating:
             self._call(role, None, self._here)
         return self._begin_instant()

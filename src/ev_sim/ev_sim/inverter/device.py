@@ -225,7 +225,7 @@ class DcLinkParameters:
 
 @dataclass(frozen=True, slots=True)
 class LoadDcLinkParameters(DcLinkParameters):
-    """The same of a load machine's inverter, which the source feeds from the mains and says nothing else of."""
+    """The same of a load machine's inverter, which the source feeds from the mains; it states nothing else."""
 
     supply_voltage: float = _as_in(DcLinkParameters, "supply_voltage", source="assumption: as for the other inverters")
     precharge_resistance: float = _as_in(

@@ -7,25 +7,26 @@ action, and the action that stands for what the scenario's own law wrote at the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from os import PathLike
 from typing import Any
 
 import gymnasium
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_sim.interface.driving import Name
 from ev_sim.interface.simulation import Simulation, SteppedLaw
+from ev_sim.learning.limits import LARGEST_HAND_TORQUE, limits
+from ev_sim.learning.view import picture
 
 Frame = Mapping[str, float]
-
-LARGEST_HAND_TORQUE = 20.0  # [N m], what two hands do in an emergency; drivers of the scenarios stay below
 
 
 @dataclass(frozen=True)
@@ -149,40 +150,61 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     - `action`: torque_split, traction_control or steering; in SI units, by driven wheel where it is one of wheels,
     - `observe`: channels such as imu.yaw_rate, or topics for all their channels; in SI units, float64,
     - `reward`: of the frame after the step, the action and what the scenario's own law would have done,
-    - `ends`: of the frame, whether the episode is over; without it, it lasts as long as the scenario, `duration`.
+    - `ends`: of the frame, whether the episode is over; without it, it lasts as long as the scenario, `duration`,
+    - `render_mode`: "rgb_array" for pictures of the car from above by `render`, (480, 480, 3) of uint8.
 
-    `run` and `changed` are those of `ev_sim.Simulation`. The scenario's own law goes along: `info["own"]` is the action
-    that stands for its output, and what no action gives (brakes, pedals) is its output. `info["frame"]` has all
-    channels of the instant. Everything random follows from the seed of `reset`; without one each episode has another.
+    What is observed ends at its limit, as a sensor does: `limits` has it by channel, with its reason. `run` and the
+    arguments from `method` on are those of `ev_sim.Simulation`. The scenario's own law goes along: `info["own"]` is
+    the action that stands for its output, and what no action gives (brakes, pedals) is its output. `info["frame"]` has
+    all channels of the instant. Everything random follows from the seed of `reset`; without one each episode has
+    another.
 
     ParameterError, in one line, if something is refused; SignalError if a number becomes not finite.
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012, as the base class has it
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012, as the base class has it
 
     def __init__(
         self,
-        scenario: str | PathLike[str] = "double_lane_change",
+        scenario: Name = "double_lane_change",
         action: str = "torque_split",
         observe: Sequence[str] = OBSERVED,
         reward: Reward | None = None,
         ends: Callable[[Mapping[str, float]], bool] = never,
         run: str = "",
         record: bool = False,
-        **changed: Any,
+        render_mode: str | None = None,
+        *,
+        method: Mapping[str, str] | None = None,
+        set: Mapping[str, Any] | None = None,
+        seed: int | None = None,
+        duration: float | str | None = None,
+        vehicle: Name | None = None,
+        params: Iterable[Name] = (),
+        cycle: Name | None = None,
     ) -> None:
         if action not in ACTIONS:
             raise unknown_name("action", action, ACTIONS)
-        self._kind, self._ends = action, ends
-        self.simulation = Simulation(scenario, (self._action.role,), run, record, **changed)
-        vehicle = self.simulation.configurations[MASTER].common.vehicle
-        self.observed = _observed(observe, self.simulation.frame)
-        self.channels = self._action.channels(vehicle)
-        low, high = self._action.bounds(vehicle)
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise unknown_name("render_mode", render_mode, self.metadata["render_modes"])
+        self._kind, self._ends, self.render_mode = action, ends, render_mode
+        self.simulation = Simulation(
+            scenario, (self._action.role,), run, record,
+            method=method, set=set, seed=seed, duration=duration, vehicle=vehicle, params=params, cycle=cycle,
+        )  # fmt: skip
+        self.metadata = {**self.metadata, "render_fps": stamps.NANOSECONDS / self.simulation.period}
+        self._car = car = self.simulation.configurations[MASTER].common.vehicle
+        self._frame = self.simulation.frame
+        self._way: list[tuple[float, float]] = []
+        self.observed = _observed(observe, self._frame)
+        self.limits = limits(self.observed, car, self.simulation.duration, self._frame)
+        self.channels = self._action.channels(car)
+        low, high = self._action.bounds(car)
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
-        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (len(self.observed),), np.float64)
+        self._largest = np.array([limit.largest for limit in self.limits.values()])
+        self.observation_space = gymnasium.spaces.Box(-self._largest, self._largest, dtype=np.float64)
         defaults: dict[str, Reward] = {
-            "torque_split": CalmYaw(vehicle.wheelbase, vehicle.steering_ratio),
+            "torque_split": CalmYaw(car.wheelbase, car.steering_ratio),
             "traction_control": quick_without_slip,
             "steering": like_the_driver,
         }
@@ -206,7 +228,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         super().reset(seed=seed)
         is_drawn = seed is None or seed > _LARGEST_SEED
         frame = self.simulation.reset(int(self.np_random.integers(_LARGEST_SEED)) if is_drawn else seed)
-        self._law = self._own_law()
+        self._law, self._way = self._own_law(), []
         return self._seen(frame), self._info(frame)
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
@@ -221,11 +243,17 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         over = self.simulation.time > self.simulation.duration
         return seen, float(self._reward(frame, action, own)), self._ends(frame), over, info
 
+    def render(self) -> Any:
+        """The car from above at this instant and the way that it has come, None without `render_mode`."""
+        return picture(self._car, self._frame, self.simulation.time, self._way) if self.render_mode else None
+
     def _seen(self, frame: Mapping[str, float]) -> np.ndarray:
-        return np.array([frame[name] for name in self.observed])
+        return np.clip([frame[name] for name in self.observed], -self._largest, self._largest)
 
     def _info(self, frame: Mapping[str, float]) -> dict[str, Any]:
         self._frame = frame
+        if self.render_mode:
+            self._way.append((frame["pose.x"], frame["pose.y"]))
         self._answer = self._law.answer(self.simulation.time, frame)
         self._own = self._action.of_law(np.array([self._answer[name] for name in self.channels]))
         return {"own": self._own, "frame": frame, "time": self.simulation.time}

@@ -179,7 +179,7 @@ def time_since_turning_in(run: Recording) -> np.ndarray:
 def surfaces_under(run: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
     """The surface of the table whose friction comes closest to that under the wheel, at each sample, (n,) str.
 
-    The closest one, for a sensor may add noise. Surfaces whose friction is the same for the tyre are not told apart,
+    The closest one, for a sensor may add noise. Surfaces with the same friction for the tyre are not distinguished,
     and those of one's own are not known here.
     """
     friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")

@@ -33,7 +33,7 @@ class NotJudged(NotMeasured):
 class Reference:
     """A published number, the band (both ends included) in which a run reproduces it, and where it comes from.
 
-    `source` says whether the number itself is printed or follows from printed equations and parameters.
+    `source` states whether the number itself is printed or follows from printed equations and parameters.
     `assumption` names what had to be added to the source; empty if nothing. `inputs` says why a run cannot miss the
     number by physics, because it is among what the run is given; empty if it can.
     """

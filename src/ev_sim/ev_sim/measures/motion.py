@@ -1,4 +1,4 @@
-"""The motion of the car in the plane, as the standards of vehicle dynamics speak of it, from recorded channels."""
+"""The motion of the car in the plane, as the standards of vehicle dynamics define it, from recorded channels."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ LATERAL_ACCELERATION = "imu.lateral_acceleration"
 DRIVE_TORQUE = "driver.command.drive_torque"
 BRAKE_TORQUE = "driver.command.brake_torque"
 
-SLOWEST = 1.0  # [m/s], below which the direction of travel and slip ratios say little
+SLOWEST = 1.0  # [m/s], below which the direction of travel and slip ratios have little meaning
 
 
 def heading(run: Recording) -> np.ndarray:

@@ -38,7 +38,7 @@ def atomic_file(path: Path | str, replaces: bool = False) -> Iterator[IO[bytes]]
                 unfinished.replace(path)
             finally:
                 unfinished.unlink(missing_ok=True)
-    except OSError as error:  # what has no room on the disk says not where
+    except OSError as error:  # a full disk gives no file name
         if error.errno is None or error.filename is not None:
             raise
         raise OSError(error.errno, error.strerror, str(path)) from None
@@ -65,7 +65,7 @@ _LITTLE_ENDIAN = np.dtype("<f8")
 _BLOCK = 256  # instants that are turned over at once: they fit into the cache, as frames and as series
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """Everything that was sent in one run, sampled at the instants of the steps.
 
@@ -89,6 +89,9 @@ class Recording:
                     f"{name} must be float64 of shape ({len(self.time)},), not {values.dtype} of shape {values.shape}"
                 )
 
+    def __repr__(self) -> str:
+        return f"Recording of {len(self.channels)} channels at {len(self.time)} instants in {self.duration:g} s"
+
     @property
     def duration(self) -> float:
         """Time from the first to the last sample [s]."""
@@ -98,7 +101,7 @@ class Recording:
 def recording_of(frames: np.ndarray, topics: Iterable[Topic]) -> Recording:
     """The channels of some topics in a stack of frames (instants, frame size), each in one piece of memory.
 
-    Whoever reads a channel would else fetch all the others with it.
+    Reading one channel would otherwise fetch all the others with it.
     """
     series = np.empty(frames.shape[::-1])
     for begin in range(0, len(frames), _BLOCK):

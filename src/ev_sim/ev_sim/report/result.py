@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ev_core.nodes.master.real_time import MasterParameters
-from ev_core.parameters.data_file import files_in_config
+from ev_core.parameters.data_file import TIME, files_in_config
+from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.figures.drawing import Figure
@@ -23,6 +24,7 @@ from ev_sim.recording.outcome import Outcome
 from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SIGNALS, SUMMARY, Recording, combined_hash, save, signal_hash
 from ev_sim.report.reports import figures_of_runs, metrics_of_runs
 from ev_sim.report.summary import COMMAND_LINE, Difference, Summary, differences, write_summary
+from ev_sim.report.tables import html_of, short_lines
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.scenario import Scenario, load_scenario
 
@@ -33,7 +35,7 @@ _TIMES = {each.name for each in fields(MasterParameters)} - {"duration"}
 _HOW_IT_IS_RUN = {"mode", "seed", "scheduling_priority", "lock_memory", *_TIMES}  # the sources have no seeds
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """The runs of a scenario that were driven, and how: offline, in-process, processes or realtime.
 
@@ -117,11 +119,17 @@ class Result:
         return {name: outcome.timing for name, outcome in self.outcomes.items() if outcome.timing}
 
     def data_frame(self, run: str = "") -> DataFrame:
-        """The signals of a run, which may be left out if there is one only, over time [s]; needs pandas."""
+        """The signals of a run, which may be left out if there is one only, over time [s]; needs pandas.
+
+        `attrs["units"]` has the unit of each column and of the index by name.
+        """
         from pandas import DataFrame, Index
 
         recording = self.runs[run] if run else self._only
-        return DataFrame(dict(recording.channels), index=Index(recording.time, name="time"))
+        found = DataFrame(dict(recording.channels), index=Index(recording.time, name=TIME))
+        units = frame.units()
+        found.attrs["units"] = {TIME: "s", **{name: units[name] for name in recording.channels}}
+        return found
 
     def summary(self) -> Summary:
         """The content of summary.json."""
@@ -182,7 +190,9 @@ class Result:
             write_page(shown, folder / PAGE)
         return content
 
-    def _repr_html_(self) -> str:
-        from ev_sim.report.tables import html_of
+    def __repr__(self) -> str:
+        head = f"Result of {self.scenario.name}, {self.mode}, signal hash {self.hash[:12]}"
+        return "\n  ".join([head, *short_lines(self.metrics)])
 
+    def _repr_html_(self) -> str:
         return html_of(self.metrics, self.figures(), self.hash)

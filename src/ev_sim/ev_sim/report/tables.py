@@ -115,6 +115,20 @@ def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) ->
     return "\n".join(lines)
 
 
+_SHOWN = 12  # metrics, where a line of Python shows a result
+
+
+def short_lines(metrics: Mapping[str, Metric]) -> list[str]:
+    """A line for each of the first metrics that have a value, and how many more there are."""
+    lines = [
+        f"{name} = {cell(each.value)} {each.unit}, {each.judgement}"
+        for name, each in metrics.items()
+        if each.value is not None
+    ]
+    more = len(metrics) - len(lines[:_SHOWN])
+    return [*lines[:_SHOWN], *([f"and {more} more in .metrics"] if more else [])]
+
+
 def _lines(columns: tuple[str, ...], rows: list[dict[str, str]]) -> list[str]:
     return text_table(columns, [[row[column] for column in columns] for row in rows], left=_TEXT).splitlines()
 

@@ -160,7 +160,7 @@ class ActiveFrontState(SteeringRobotState):
 
 @compilable
 def active_column(car: Car, s: ActiveFrontState, period: float) -> SteeringColumnState:
-    """The column at this instant: the road wheels stand at more than the steering wheel says."""
+    """The column at this instant: the road-wheel angle is more than that of the steering wheel."""
     rate, added_rate = (s.next_angle - s.angle) / period, (s.next_added - s.added) / period
     ratio = car.steering_ratio
     return SteeringColumnState(s.angle, rate, 0.0, s.angle / ratio + s.added, rate / ratio + added_rate)

@@ -1,6 +1,6 @@
 """One circuit of the bench behind its CAN bus: set-points arrive, the inverters make their cycles, feedback leaves.
 
-What lasts and what is told once is in records, which compiled code hands over as one address each.
+State and constants are in records, which compiled code passes as one address each.
 """
 
 from __future__ import annotations

@@ -171,7 +171,7 @@ def _open(low: float, high: float) -> str:
 class Check:
     """A number that is held against a published one within a tolerance.
 
-    `name` tells the numbers of one id apart and is empty for the first. `than`: the claim in words is that the
+    `name` distinguishes the numbers of one id and is empty for the first. `than`: the claim in words is that the
     magnitude of `measure` is larger or, if not `is_larger`, smaller than that of `than` by more than the tolerance, a
     fraction of the larger one. `tolerance` and its reason `why` are empty for what is shown beside and not judged;
     `value` is None for both.
@@ -240,7 +240,7 @@ SHOWN = "shown"  # in place of a value: the number stands beside and is not judg
 
 
 def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]) -> Check:
-    """The check of a row of published.csv; ParameterError that says what of it is refused and what is allowed."""
+    """The check of a row of published.csv; ParameterError that names what is refused and what is allowed."""
     text, value = row["measure"], row["value"]
     _refuse_unit(row["unit"])
     tolerance, why = (Template.of(row[name], measures, needs) for name in ("tolerance", "why"))

@@ -47,12 +47,12 @@ class Published:
 
     `kind`: printed (stands in the source), follows (not printed, but follows from printed equations and parameters
     alone), words (stated in words), axes (the range of an axis is left), lost (a curve of which only the caption is
-    left). `where`: equation, axes or panel. `quantity` and `printed` say what was published, in words and numbers.
+    left). `where`: equation, axes or panel. `quantity` and `printed` are what was published, in words and numbers.
     `needs`: what is driven, none for what follows from equations alone; `checks`: the numbers.
     `note`: what had to be added to the source (assumption), why the number cannot fail by physics, because it comes
     from the inputs of the run (inputs), which part of it holds where its first number, as the source defines it, does
     not (in part), or why there is no verdict (not judgeable, no verdict), with the needs of what is filled into its
-    text; empty if there is nothing to say.
+    text; empty if there is none.
     """
 
     id: str

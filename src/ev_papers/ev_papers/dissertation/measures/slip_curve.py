@@ -21,7 +21,7 @@ LEAST_SLIP = 0.03  # [1], below it no wheel has passed its peak
 LEAST_SPREAD = 0.01  # [1], standard deviation of the slip in a window that shows a curve and not a point
 HITS = 5  # windows in a row whose curve falls in the end
 LARGEST_ERROR = 1e-3  # [1], sum of the squared errors of a fit that counts; printed below eq 2.36
-SLOWEST = 3.0  # [rad/s], of the free wheel; at rest slip says nothing
+SLOWEST = 3.0  # [rad/s], of the free wheel; at rest slip has no meaning
 
 
 @dataclass(frozen=True, slots=True, eq=False)

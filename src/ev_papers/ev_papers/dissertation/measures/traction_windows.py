@@ -72,5 +72,5 @@ def traction(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
 
 
 def _of_the_period_before(answered: np.ndarray) -> np.ndarray:
-    """What holds from each sample on, said of the samples at which its period ends."""
+    """The mode from each sample on, given at the samples at which its period ends."""
     return np.concatenate(([False], answered[:-1]))

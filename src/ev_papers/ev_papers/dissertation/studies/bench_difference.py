@@ -37,7 +37,7 @@ IDEAL: Mapping[str, Values] = {
         load_set_point__speed_rate=_NO_LIMIT,
         load_set_point__speed_resolution=0.0,
     ),
-    "load machine": (("plant", "wheel_speed", "virtual"),),  # it turns exactly as it is told
+    "load machine": (("plant", "wheel_speed", "virtual"),),  # it turns exactly with its set-point
     "shaft": _bench(shaft__stiffness=_STIFF),
     "sensors": tuple(("test_bench", f"sensors.{name}.noise", 0.0) for name in _SENSORS),
 }

@@ -19,7 +19,7 @@ from ev_sim.study.study import Case, Results, rows_of_cases
 
 ABOUT = "Full braking without ABS, with one of the friction brakes, and with drives and brakes blended, on all roads"
 SCENARIO = "blended_brakes"
-CONTROLS = {  # name -> run of the scenario, and what it is told
+CONTROLS = {  # name -> run of the scenario, and its parameters
     "off": ("off", ()),
     "least_squares": ("off", (("asr", "method", "least_squares"),)),
     "friction": ("friction", ()),

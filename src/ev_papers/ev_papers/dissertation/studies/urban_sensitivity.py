@@ -22,7 +22,7 @@ COLUMNS = ("what is assumed otherwise", *(f"method {method}" for method in METHO
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What is assumed otherwise, in a word, the parameters that say so, and the methods that it concerns.
+    """Another assumption: its name, its parameters, and the methods that it concerns.
 
     `driver` is another one than the study's, `quantity` another way to count what is measured; a change of that alone
     reads the runs of the change `like`.

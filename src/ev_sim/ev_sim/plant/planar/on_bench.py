@@ -176,7 +176,7 @@ def planar_on_bench(
             # The wheel meets the road as its load machine turned when the last period ended. The set-point of the load
             # machine goes on from its last one, the speed J w' = i M - F_x r - M_f - M_brake of the virtual wheel. The
             # difference between both, held over a period, is what the load machine does not follow. One that follows
-            # a constant is told nothing of the wheel, which begins each period with the measured speed.
+            # a constant ignores the wheel, which begins each period with the measured speed.
             speed, told = shafts.load_speed[i] / car.gear_ratio, s.motion[WHEEL_SPEED + i] - s.apart[i]
             if p.load.follows != ROAD:
                 told = s.told_speed[i] = accepted(s.guard, speed, told, -_MOST_SPEED, _MOST_SPEED)

@@ -1,0 +1,52 @@
+"""The car from above with its wheels as they are steered, and its way so far, as an array of pixels."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from ev_core.vehicle.description import Vehicle
+
+SIZE = 480  # pixels, either way
+_DPI = 100
+_AROUND = 12.0  # [m] that are shown in each direction
+_OVERHANG = 0.7  # [m] of the body beyond the axles
+_TYRE_WIDTH = 0.2  # [m]
+
+
+def picture(car: Vehicle, here: Mapping[str, float], time: float, way: Sequence[tuple[float, float]]) -> np.ndarray:
+    """A car at an instant [s] that shows a frame, after a way of points x, y [m]: (SIZE, SIZE, 3) of uint8."""
+    figure = Figure(figsize=(SIZE / _DPI, SIZE / _DPI), dpi=_DPI)
+    axes = figure.add_axes((0.13, 0.11, 0.84, 0.82))
+    x, y = here["pose.x"], here["pose.y"]
+    heading = 2.0 * math.atan2(here["pose.orientation_z"], here["pose.orientation_w"])
+    if way:
+        axes.plot(*zip(*way, strict=True), color="tab:blue", linewidth=1.0)
+    rear, width = -car.centre_of_mass_to_rear_axle, max(car.front_track, car.rear_track) + _TYRE_WIDTH
+    front = rear + car.wheelbase
+    middle, length = (front + rear) / 2.0, car.wheelbase + 2.0 * _OVERHANG
+    shapes = [(middle, 0.0, 0.0, length, width, "lightgrey")]
+    angles = {front: here["steering_column.state.road_wheel_angle"], rear: here.get("rear_steering.state.angle", 0.0)}
+    for axle, track in ((front, car.front_track), (rear, car.rear_track)):
+        for side in (0.5, -0.5):
+            shapes.append((axle, side * track, angles[axle], 2.0 * car.wheel_radius, _TYRE_WIDTH, "black"))
+    for along, across, angle, long, wide, color in shapes:
+        corners = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) * (long / 2.0, wide / 2.0)
+        in_car = corners @ _turned(angle) + (along, across)
+        axes.add_patch(Polygon(in_car @ _turned(heading) + (x, y), color=color))
+    axes.set(xlim=(x - _AROUND, x + _AROUND), ylim=(y - _AROUND, y + _AROUND), xlabel="x [m]", ylabel="y [m]")
+    speed = math.hypot(here["twist.longitudinal"], here["twist.lateral"])
+    axes.set_title(f"{time:.2f} s, {3.6 * speed:.1f} km/h", fontsize="medium")
+    pixels = io.BytesIO()
+    figure.savefig(pixels, format="rgba")
+    return np.frombuffer(pixels.getvalue(), np.uint8).reshape(SIZE, SIZE, 4)[..., :3].copy()
+
+
+def _turned(angle: float) -> np.ndarray:
+    """The matrix that turns rows x, y to the left by an angle [rad]."""
+    return np.array([(math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))])
