@@ -29,7 +29,7 @@ def _repr(value: Any) -> str:
 
 
 # What would make two lines of one, such as a line break in the name of a file.
-_BREAKS = {ord(each): repr(each)[1:-1] for each in "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"}
+_BREAKS = {ord(each): repr(each)[1:-1] for each in "\0\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"}
 
 
 class ParameterError(ValueError):

@@ -24,8 +24,8 @@ Name = str | PathLike[str]  # or a path
 def run(
     scenario: Name,
     runs: Sequence[str] = (),
-    *,
     metrics: Sequence[str] = (),
+    *,
     method: Mapping[str, str] | None = None,
     set: Mapping[str, Any] | None = None,
     seed: int | None = None,
