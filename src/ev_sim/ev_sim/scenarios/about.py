@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ev_core.lockstep.configuration import changeable_numbers
 from ev_core.methods.register import offered
 from ev_core.nodes.master.real_time import LONGEST
 from ev_core.parameters.data_file import files_in_config, refuse_outside
@@ -15,6 +16,7 @@ from ev_core.parameters.declaration import entries, group, setting
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.files import with_files
+from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.measures.course import Course
 from ev_sim.measures.own_metrics import named_metrics
@@ -94,6 +96,7 @@ class ScenarioParameters:
         (), about="metrics besides those of its report: names of docs/metrics.md, or NAME [UNIT] = EXPRESSION"
     )
     course: Course = group(Course)
+    lesson: tuple[str, ...] = setting((), about="numbers, as NODE.NAME, that the live page has beside its plots")
 
     def __post_init__(self) -> None:
         """Names of runs are those of folders and of namespaces, and ParameterError if they cannot be."""
@@ -117,6 +120,8 @@ def said_by(file: ParameterFile) -> ScenarioParameters:
         if about.report and about.report not in offered(REPORTS):
             raise unknown_name("report", about.report, sorted(offered(REPORTS)))
         named_metrics(about.metrics)
+        for text in about.lesson:
+            _refuse_unknown_number(text)
         return about
     except ParameterError as error:
         raise ParameterError(f"{file.path}: {error}") from None
@@ -127,3 +132,13 @@ def with_metrics(about: ScenarioParameters, further: Sequence[str]) -> ScenarioP
     texts = (*about.metrics, *further)
     named_metrics(texts)
     return replace(about, metrics=texts)
+
+
+def _refuse_unknown_number(text: str) -> None:
+    """ParameterError unless this is NODE.NAME of a number that a method of the node may change while it runs."""
+    node, _, name = text.partition(".")
+    if node not in ROLES:
+        raise ParameterError(f"lesson: {unknown_name('node', node, ROLES)}")
+    if name not in (known := changeable_numbers(node)):
+        listed = [f"{node}.{each}" for each in known]
+        raise ParameterError(f"lesson: {unknown_name(f'number of {node} that changes while it runs', text, listed)}")
