@@ -13,6 +13,7 @@ import pytest
 import ev_sim
 from ev_sim.command_line.options import arguments
 from ev_sim.commands.run_scenario import REVIEWS
+from ev_sim.measured.record import read_record
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.study.run_study import arguments as arguments_of_study
 from ev_sim.study.study import study_names
@@ -58,12 +59,18 @@ def test_python_runs_as_it_stands(page, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("page", "text"), snippets("yaml"))
 def test_yaml_is_accepted_as_it_stands(page, text, tmp_path):
-    """A scenario is loaded with the car that it names beside it; parameters go on top of a lane change."""
+    """A scenario has the car that it names beside it, a mapping a log; parameters go on top of a lane change."""
     file = tmp_path / "shown.yaml"
     file.write_text(text)
     if "/**/scenario:" in text:
         shutil.copy(ROOT / "config" / "vehicles" / "compact_ev.yaml", tmp_path / "car.yaml")
         assert load_scenario(str(file)).runs[0].configurations["plant"].common.vehicle.name == "compact_ev"
+    elif text.startswith("time:"):
+        columns = re.findall(r"column: (\w+)", text)
+        rows = [[10.0 * n, *[0.0] * (len(columns) - 1)] for n in range(100)]
+        log = tmp_path / "log.csv"
+        log.write_text("".join(",".join(map(str, row)) + "\n" for row in (columns, *rows)))
+        assert len(read_record(log, file).time) == len(rows)
     else:
         assert not load_scenario("double_lane_change", Overrides(files=[file])).notes
 

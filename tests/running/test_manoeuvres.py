@@ -12,7 +12,6 @@ from manoeuvres import MANOEUVRES
 from plant.planar.car import kinetic_energy
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.measures.course import hit_cones
 from ev_sim.measures.motion import lateral_acceleration_on_path
 from ev_sim.plant.planar.planar_state import index
 from ev_sim.plant.planar.prepare import number_of_steps
@@ -219,7 +218,9 @@ def test_a_car_beside_its_lane_hits_the_cones_of_one_row():
     """Straight on at y = 2 m its body covers 1.16 to 2.84 m: the right row of lane 2 (2.37 m), the left one of 3."""
     values = [("plant", "initial_y", 2.0), ("driver", "path.x", [-50.0, 200.0]), ("driver", "path.y", [2.0, 2.0])]
     recording, _ = drive(load_scenario("double_lane_change", Overrides((), values)).runs[0])
-    assert hit_cones(recording, Vehicle(), load_scenario("double_lane_change").parameters.course).sum() == 8
+    course = load_scenario("double_lane_change").parameters.course
+    found = report_for("double_lane_change").metrics({"run": recording}, Vehicle(), {}, course)
+    assert (found["cones_hit"].value, found["course_passed"].value) == (8, 0)
 
 
 def test_sine_with_dwell_multiples_of_a():

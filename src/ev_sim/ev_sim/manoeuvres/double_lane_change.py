@@ -26,9 +26,10 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
     def of(run: Recording) -> dict[str, Metric]:
         def hit() -> int:
             _end_of_course(run, vehicle, course)  # who leaves the course early spares its cones
-            if left := _left(run, vehicle, parameters, course):
-                raise NotMeasured(left)
-            return np.count_nonzero(hit_cones(run, vehicle, course))
+            count = np.count_nonzero(hit_cones(run, vehicle, course))
+            if not count and (left := _left(run, vehicle, parameters, course)):
+                raise NotMeasured(left)  # no cone stands where the car was
+            return count
 
         def passed() -> bool:
             lanes_driven(run, vehicle, course)
