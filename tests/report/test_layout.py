@@ -51,7 +51,8 @@ def swept(varied: int) -> dict[str, Sheet]:
     units = {f"front_left_largest_slip_energy_of_run_{n}": ("rad", "J", "1")[n % 3] for n in range(5)}
 
     def measured(number: int) -> dict:
-        return {**{name: number * 10.0 ** (n % 9 - 4) for n, name in enumerate(units)}, "units": units}
+        values = {name: number * 10.0 ** (n % 9 - 4) for n, name in enumerate(units)}
+        return {**values, "units": units, "reasons": {}}
 
     return sweep.figures(given, results_of([case.name for case in sweep.cases(given)], measured))
 

@@ -7,7 +7,7 @@ from layouts import flaws
 
 from ev_sim.figures.sheets import COLUMN, printed
 from ev_sim.recording.offline import run_offline
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
 
 BEGIN = (("driver", "pedals.begin", True),)  # pedals from the start instead of the speed profile
@@ -27,10 +27,10 @@ def test_a_report_bears_any_run(name, duration, values):
     runs = {run.name: run_offline(run.configurations, run.duration) for run in scenario.runs}
     first = scenario.runs[0].configurations
     parameters = {role: configuration.values() for role, configuration in first.items()}
-    report, vehicle = report_for(name), first["plant"].common.vehicle
-    metrics = report.metrics(runs, vehicle, parameters)
+    report, vehicle, course = report_for(name), first["plant"].common.vehicle, scenario.parameters.course
+    metrics = report.metrics(runs, vehicle, parameters, course)
     assert metrics
-    pages = printed(report.figures(runs, vehicle, parameters), COLUMN)
+    pages = printed(report.figures(runs, vehicle, parameters, course), COLUMN)
     assert {key: found for key, page in pages.items() if (found := flaws(page, COLUMN))} == {}
     if name == "steady_circle":
         assert all(metric.value is None for key, metric in metrics.items() if key.endswith("_gradient"))

@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
-LOWER, HIGHER = "lower", "higher"  # which values of a column are better
+from ev_sim.measures.metric import LOWER
+
 DIGITS = 4  # significant ones
 _SPECIAL = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
 _SPECIAL |= {character: f"\\{character}" for character in "_%&#${}"}
@@ -26,7 +27,7 @@ def latex_table(
 ) -> str:
     """A tabular of siunitx 3: numbers to so many significant digits and aligned at their points, all else as text.
 
-    `best` has LOWER or HIGHER of the columns whose best value is set in bold; None is an empty cell.
+    `best` has `metric.LOWER` or `metric.HIGHER` of the columns whose best value is set in bold; None is an empty cell.
     """
     series = [[row[n] for row in rows] for n in range(len(columns))]
     cells, kinds = [], []
