@@ -148,7 +148,7 @@ def further_metrics(run: Run, texts: Sequence[str], must_exist: bool = True) -> 
 
 
 def row_of(metrics: Mapping[str, Metric]) -> dict[str, Any]:
-    """Metrics as a study keeps them: values by name, and of all their units and which values are better, of those without a value why."""
+    """Metrics as a study keeps them: values by name, of all the units and what is better, of those without value why."""
     return {
         **{name: each.value for name, each in metrics.items() if each.value is not None},
         "units": {name: each.unit for name, each in metrics.items()},
