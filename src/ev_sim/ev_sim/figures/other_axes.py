@@ -89,7 +89,7 @@ def band(title: str, x: tuple[str, np.ndarray], quantity: str, values: np.ndarra
     return Panel(title, quantity, ground=lines, xlabel=x[0])
 
 
-_LOWEST, _HIGHEST = 0.25, 0.6  # of a plan view: height over width
+_LOWEST, _HIGHEST = 0.19, 0.6  # of a plan view: height over width
 _MAGNIFIED = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # times that a narrow course is drawn across
 
 

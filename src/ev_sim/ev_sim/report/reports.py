@@ -148,7 +148,7 @@ def further_metrics(run: Run, texts: Sequence[str], must_exist: bool = True) -> 
 
 
 def row_of(metrics: Mapping[str, Metric]) -> dict[str, Any]:
-    """Metrics as a study keeps them: values by name, of all the units and what is better, of those without value why."""
+    """Metrics as a study keeps them: values by name, the units, what is better, and why some have no value."""
     return {
         **{name: each.value for name, each in metrics.items() if each.value is not None},
         "units": {name: each.unit for name, each in metrics.items()},
