@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from documentation import architecture, can_reference, parameter_reference, topic_reference, verdict_tables
+from documentation import architecture, can_reference, comparisons, parameter_reference, topic_reference, verdict_tables
 from documentation.graph_diagram import graph_diagram
 from documentation.hashes import HASHES
 from documentation.lists import method_table, scenario_table, study_list
@@ -40,6 +40,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "drawing": architecture.drawing,
     "rooms": architecture.room_tables,
     "layers": architecture.declaration,
+    "comparisons": comparisons.comparison_table,
 }
 
 PAGES = {
@@ -48,6 +49,7 @@ PAGES = {
     "docs/parameters.md": tuple(name for name in PARTS if name.endswith("parameters")),
     "docs/topics.md": ("topics", "wheel names", "fields"),
     "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),
+    "docs/measured.md": ("comparisons",),
     "docs/architecture.md": ("packages", "drawing", "rooms", "layers"),
     HASHES: (RESULTS,),
     SHCHUR: (RESULTS, CONTROL_PERIODS),
