@@ -63,8 +63,8 @@ def test_what_cannot_be_told_is_named_by_its_parameters():
     one = random.standard_normal((12, 50, 1))
     derivatives = np.concatenate([one, one, random.standard_normal((12, 50, 1))], axis=2)
     residuals = random.standard_normal((12, 50))
-    known = knowledge(residuals, derivatives, np.ones(3), np.ones(3), 1.0, 0)
     free = [FreeParameter(name, "1", 0.0, 2.0, 1.0, 1.0) for name in ("a", "b", "c")]
+    known = knowledge(residuals, derivatives, np.ones(3), free, 1.0, 0)
     assert [line.partition(" together")[0] for line in in_words(known, free)] in (["a - b"], ["b - a"])
     assert known.deviation[:2] == pytest.approx(np.sqrt(0.5), rel=0.01)
     assert known.deviation[2] == pytest.approx(1.0 / np.sqrt(600.0), rel=0.3)

@@ -12,8 +12,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ev_core.parameters.data_file import SIGNALS, read_data
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.command_line.options import add_changes, command_of, overrides
@@ -128,8 +126,7 @@ def run_identify(argv: Sequence[str]) -> None:
             replay, free, given.signals, every=given.every, width=given.prior, starts=given.starts, seed=seed,
             most=given.steps, progress=lambda line: print(line, flush=True),
         )  # fmt: skip
-        scale = np.array([each.scale for each in free])
-        known = knowledge(fitted.residuals, fitted.derivatives, fitted.values, scale, given.prior, seed)
+        known = knowledge(fitted.residuals, fitted.derivatives, fitted.values, free, given.prior, seed)
         found = Identified(free, fitted, known, replays, stated, beside, command_of(["identify", *argv]))
         print(found.table())
         found.write(folder.directory, not given.no_report)

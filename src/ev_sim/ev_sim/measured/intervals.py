@@ -29,17 +29,24 @@ class Knowledge:
 
 
 def knowledge(
-    residuals: np.ndarray, derivatives: np.ndarray, values: np.ndarray, scale: np.ndarray, width: float, seed: int
+    residuals: np.ndarray,
+    derivatives: np.ndarray,
+    values: np.ndarray,
+    free: Sequence[FreeParameter],
+    width: float,
+    seed: int,
 ) -> Knowledge:
     """Of a fit at its optimum.
 
     Residuals (windows, m) over their standard deviations and derivatives (windows, m, parameters) by scaled parameters.
     Errors within a window go together, so their number counts for less: the covariance (J'J)^-1 is multiplied by the
     mean ratio of the variance of the gradients of windows to that of independent errors. The bootstrap draws windows
-    with replacement and takes one step of Gauss and Newton from the optimum in each draw. `width` [scales] is that of
+    with replacement and takes one step of Gauss and Newton from the optimum in each draw; intervals end where the range
+    of a parameter does. `width` [scales] is that of
     the prior about the start, which keeps what the record cannot tell.
     """
     windows, _, count = derivatives.shape
+    scale = np.array([each.scale for each in free])
     information = np.einsum("wmi,wmj->wij", derivatives, derivatives)
     gradients = np.einsum("wmi,wm->wi", derivatives, residuals)
     prior = np.eye(count) / width**2
@@ -58,7 +65,7 @@ def knowledge(
     chosen = deviations > UNKNOWN
     return Knowledge(
         np.sqrt(np.diag(covariance)) * scale,
-        (values + ends * scale).T,
+        np.clip(values + ends * scale, [e.low for e in free], [e.high for e in free]).T,
         directions.T[chosen],
         deviations[chosen],
     )
