@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-<<<<<<< HEAD
-from documentation import architecture, can_reference, comparisons, parameter_reference, topic_reference, verdict_tables
-=======
 from documentation import (
     architecture,
     can_reference,
+    comparisons,
     metric_reference,
     parameter_reference,
     topic_reference,
     verdict_tables,
 )
->>>>>>> main
 from documentation.graph_diagram import graph_diagram
 from documentation.hashes import HASHES
 from documentation.lists import method_table, scenario_table, study_list
