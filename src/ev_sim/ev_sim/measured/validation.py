@@ -169,11 +169,7 @@ class Validation:
 
         `more` goes into summary.json, a `table` above that of the errors on the page.
         """
-<<<<<<< HEAD
-        both, figures = self.recordings(), drawn(self.figures())
-=======
         both = self.recordings()
->>>>>>> main
         configurations = self.replay.configurations
         content = Summary(
             scenario=f"open-loop replay of {quoted_source(self.replay.record)}",
@@ -197,7 +193,7 @@ class Validation:
         write_summary(folder / SUMMARY, content | dict(more or {}))
         save(both["simulated"], folder / SIGNALS)
         if page:
-            figures = self.figures()
+            figures = drawn(self.figures())
             save_figures(figures, folder)
             signals = Signals("", both, None)
             shown = "\n\n".join(filter(None, (table, self.table())))
