@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from ev_msgs_py.refusal import LINE, quoted, shown, unknown_name
-from ev_sim.command_line.options import overrides, own_nodes
+from ev_sim.command_line.options import overrides, own_nodes, processors
 from ev_sim.figures.saving import figure_files
 from ev_sim.recording.outcome import Outcome, RunFailed, progress_bar
 from ev_sim.recording.recording import OF_ALL_RUNS
@@ -34,6 +34,13 @@ def drive_scenario(given: argparse.Namespace) -> None:
         raise unknown_name("scenario or study", given.scenario, [*scenario_names(), *study_names()])
     scenario = load_scenario(given.scenario, overrides(given))
     _refuse_without_ros(given)
+    on_processors = []
+    if given.processor:
+        from ev_sim.export.on_processor import with_processors
+
+        moved = [with_processors(run, processors(given)) for run in scenario.runs]
+        scenario = replace(scenario, runs=tuple(run for run, _ in moved))
+        on_processors = [each for _, made in moved for each in made]
     out = given.out or Path("results") / scenario.name
     way = "offline" if given.offline else "in-process" if given.in_process else "processes"
     commands = {role: " ".join(words) for role, words in own_nodes(given).items()}
@@ -52,6 +59,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
         print(f"not reproducible: {reason}")
     for timing in summary.timing.values():
         print(in_words(timing))
+    for each in on_processors:
+        print(each.report)
     print(f"signal hash {content['signal_hash']}")
     print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
     page = "" if given.no_report else "report.html, "
