@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import base64
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,8 +15,13 @@ import numpy as np
 from jinja2 import Environment, FunctionLoader
 
 from ev_core.parameters.data_file import TIME
-from ev_core.parameters.declaration import entries
+from ev_core.methods.register import CommonParameters, methods_of
+from ev_core.nodes.master.real_time import MasterParameters
+from ev_core.parameters.declaration import Entry, entries
+from ev_core.parameters.values import entries_by_name
+from ev_core.sensors.row import sensors_for
 from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.contract.roles import ROLES
 from ev_sim.figures.drawing import Figure
 from ev_sim.measures.metric import Runs
 from ev_sim.recording.recording import Recording, atomic_file
@@ -97,12 +103,15 @@ _PLANES = (3, 2)  # bytes of a sample that are tried, one after the other
 class Signals:
     """The runs of one result; `label` distinguishes results of one page, empty if alone.
 
-    Without the `vehicle` that drove them nothing is seen from above.
+    Without the `vehicle` that drove them nothing is seen from above. `units` are those of channels that belong to no
+    topic. In the runs named in `spun` the car has spun: they do not count for the limits of the axes.
     """
 
     label: str
     runs: Runs
     vehicle: Vehicle | None
+    units: Mapping[str, str] = field(default_factory=dict)
+    spun: Collection[str] = ()
 
 
 @dataclass
@@ -145,12 +154,14 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
                 {
                     "name": f"{result.label}: {name}" if result.label else name,
                     "car": car_of(car) if car else None,
+                    "spun": name in result.spun,
                     "time": placed(pack(thinned.time, planes=3, step=_period(run.time))),
                     "channels": {key: placed(pack(values, planes)) for key, values in thinned.channels.items()},
                 }
             )
     names = dict.fromkeys(key for run in runs for key in run["channels"] if not key.startswith(PREFIX))
-    return SignalData({"runs": runs, "groups": groups_of(names)}, list(places), _precision(planes, every))
+    units = {name: unit for result in results for name, unit in result.units.items()}
+    return SignalData({"runs": runs, "groups": groups_of(names, units)}, list(places), _precision(planes, every))
 
 
 def _period(time: np.ndarray) -> float | None:
@@ -179,11 +190,13 @@ def by_result(summaries: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]
     return rows
 
 
-def measured_signals(measured: Mapping[str, Mapping[str, Any]]) -> tuple[Signals, ...]:
-    """What was measured over `time` on each case, if there is such a thing on any."""
+def measured_signals(
+    measured: Mapping[str, Mapping[str, Any]], units: Mapping[str, str], spun: Collection[str]
+) -> tuple[Signals, ...]:
+    """What was measured over `time` on each case, in these units, if there is such a thing on any."""
     series = {name: _series(values) for name, values in measured.items()}
     runs = {name: found for name, found in series.items() if found is not None}
-    return (Signals("", runs, None),) if runs else ()
+    return (Signals("", runs, None, units, spun),) if runs else ()
 
 
 def _series(values: Mapping[str, Any]) -> Recording | None:
@@ -230,9 +243,23 @@ def write_page(page: Page, path: Path) -> None:
         metrics=by_result(page.summaries),
         data=signal_data(page.signals),
         car={entry.name: entry.spec for entry in entries(Vehicle)},
+        unit=_unit,
     )
     with atomic_file(path) as file:
         file.write(text.encode())
+
+
+def _unit(node: str, parameter: str) -> str:
+    """The unit of a parameter of a node, empty where no method known here has it."""
+    return next((of[parameter].spec.unit for of in _described(node) if parameter in of), "")
+
+
+@cache
+def _described(node: str) -> tuple[Mapping[str, Entry], ...]:
+    if node not in ROLES:
+        return ()
+    shared = (CommonParameters, MasterParameters, *(method.parameters for method in methods_of(node).values()))
+    return (*map(entries_by_name, shared), entries_by_name(sensors_for(ROLES[node].writes), "sensors."))
 
 
 def filled(template: str, **values: Any) -> str:
