@@ -16,8 +16,8 @@ from ev_sim.dashboard.controls import node_message
 from ev_sim.dashboard.live_frames import layout_message
 from ev_sim.dashboard.server import Pages
 from ev_sim.recording.recording import Recording
-from ev_sim.report.page.top_view import view_channels
 from ev_sim.scenarios.scenario import Run
+from ev_sim.views.car import view_channels
 
 
 class FedPage:
