@@ -19,7 +19,7 @@ from ev_sim.measures.metric import Metric, NotMeasured, channel
 from ev_sim.recording.recording import Recording
 from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run, load_scenario
-from ev_sim.study.study import Case, Results
+from ev_sim.study.study import Case, CaseResult, Results
 from ev_sim.surfaces import RoadParameters, Surface, left_and_right
 
 ABOUT = "Every electronic differential on the same car in any scenario, one table and one figure"
@@ -34,7 +34,9 @@ QUANTITIES = {  # name -> unit, in the order of the columns
     "time_over_limit": "s",
 }
 COLUMNS = ("method", *(f"{name} [{unit}]" for name, unit in QUANTITIES.items()))
-CURVES = ("time", "x", "y", "yaw_rate", "sideslip", "speed", "torque_difference")
+CURVES = {  # over time, with their units
+    "x": "m", "y": "m", "yaw_rate": "rad/s", "sideslip": "deg", "speed": "m/s", "torque_difference": "N m"
+}  # fmt: skip
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -98,22 +100,22 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 def table(given: argparse.Namespace, results: Results) -> tuple[Sequence[str], list[list[Any]]]:
     """Columns, and for each method that could be driven a row of its quantities."""
-    driven = [(name, result.measured) for name, result in results.items() if not result.refused]
+    driven = [(name, of.measured) for name, of in results.items() if not of.refused]
     return COLUMNS, [[name, *(_number(measured[quantity]) for quantity in QUANTITIES)] for name, measured in driven]
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The quantities of each method that could be driven."""
-    rows = [(name, *map(_cell, values)) for name, *values in table(given, results)[1]]
+    rows = [(marked(name, results[name]), *map(_cell, values)) for name, *values in table(given, results)[1]]
     return text_table(COLUMNS, rows, left=COLUMNS[:1])
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """Paths, and yaw rate, sideslip angle, speed and torque difference over time, all methods one over the other."""
-    driven = {name: result.measured for name, result in results.items() if not result.refused}
+    driven = {name: result for name, result in results.items() if not result.refused}
 
     def over_time(title: str, ylabel: str, quantity: str):
-        return panel(title, ylabel, lambda: [Curve(m["time"], m[quantity], name) for name, m in driven.items()])
+        return panel(title, ylabel, lambda: [_curve(name, of, "time", quantity) for name, of in driven.items()])
 
     panels = [
         over_time("Yaw rate", "yaw rate [rad/s]", "yaw_rate"),
@@ -121,8 +123,17 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
         over_time("Speed", "speed [m/s]", "speed"),
         over_time("Torque request, right minus left", "torque [N m]", "torque_difference"),
     ]
-    tracks = [Curve(m["x"], m["y"], name) for name, m in driven.items()]
+    tracks = [_curve(name, of, "x", "y") for name, of in driven.items()]
     return {"overlay": sheet(panels, "time [s]"), "paths": plan_view(f"Paths, {given.scenario}", tracks)}
+
+
+def _curve(name: str, of: CaseResult, x: str, y: str) -> Curve:
+    return Curve(of.measured[x], of.measured[y], marked(name, of), spun=of.spun)
+
+
+def marked(name: str, of: CaseResult) -> str:
+    """The name of a law, and that the car has spun with it."""
+    return f"{name} (spun)" if of.spun else name
 
 
 def _right_minus_left(recording: Recording) -> np.ndarray:

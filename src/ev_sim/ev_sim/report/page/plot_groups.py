@@ -39,7 +39,12 @@ def _of_topic(topic: Topic, names: set[str]) -> dict[str, Any]:
 
 def _unknown(first: str, members: Sequence[str], units: Mapping[str, str]) -> dict[str, Any]:
     plots = [
-        {"title": _words(name.partition(".")[2] or name), "unit": units.get(name, ""), "about": "", "curves": [_curve(name, name)]}
+        {
+            "title": _words(name.partition(".")[2] or name),
+            "unit": units.get(name, ""),
+            "about": "",
+            "curves": [_curve(name, name)],
+        }
         for name in members
     ]
     return {"title": first, "about": "", "plots": plots}

@@ -14,15 +14,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from jinja2 import Environment, FunctionLoader
 
-from ev_core.parameters.data_file import TIME
 from ev_core.methods.register import CommonParameters, methods_of
 from ev_core.nodes.master.real_time import MasterParameters
+from ev_core.parameters.data_file import TIME
 from ev_core.parameters.declaration import Entry, entries
 from ev_core.parameters.values import entries_by_name
 from ev_core.sensors.row import sensors_for
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import ROLES
 from ev_sim.figures.drawing import Figure
+from ev_sim.measures.handling import has_spun
 from ev_sim.measures.metric import Runs
 from ev_sim.recording.recording import Recording, atomic_file
 from ev_sim.report.page.plot_groups import groups_of
@@ -105,7 +106,7 @@ class Signals:
     """The runs of one result; `label` distinguishes results of one page, empty if alone.
 
     Without the `vehicle` that drove them nothing is seen from above. `units` are those of channels that belong to no
-    topic. In the runs named in `spun` the car has spun: they do not count for the limits of the axes.
+    topic. Runs in which the car has spun do not set the limits of axes; `spun` names those that do not hold its motion.
     """
 
     label: str
@@ -155,7 +156,7 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
                 {
                     "name": f"{result.label}: {name}" if result.label else name,
                     "car": car_of(car) if car else None,
-                    "spun": name in result.spun,
+                    "spun": name in result.spun or has_spun(run),
                     "time": placed(pack(thinned.time, planes=3, step=_period(run.time))),
                     "channels": {key: placed(pack(values, planes)) for key, values in thinned.channels.items()},
                 }
@@ -244,13 +245,13 @@ def write_page(page: Page, path: Path) -> None:
         metrics=by_result(page.summaries),
         data=signal_data(page.signals),
         car={entry.name: entry.spec for entry in entries(Vehicle)},
-        unit=_unit,
+        unit=unit_of,
     )
     with atomic_file(path) as file:
         file.write(text.encode())
 
 
-def _unit(node: str, parameter: str) -> str:
+def unit_of(node: str, parameter: str) -> str:
     """The unit of a parameter of a node, empty where no method known here has it."""
     return next((of[parameter].spec.unit for of in _described(node) if parameter in of), "")
 
