@@ -102,6 +102,7 @@ def begin(p: PlanarParameters, car: Car, c: PlanarConstants, kind: type[PlanarSt
     s.x, s.y, s.state_of_charge = p.initial_x, p.initial_y, car.battery.state_of_charge
     y = s.motion
     y[state.VX], y[state.HEADING] = p.initial_speed, p.initial_heading
+    y[state.VY], y[state.YAW_RATE] = p.initial_lateral_velocity, p.initial_yaw_rate
     for i in range(4):
         y[state.WHEEL_SPEED + i] = p.initial_speed / c.body.wheel_radius[i]
         s.torque_share[i] = car.driven[i] / max(car.number_driven, 1.0)
