@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import CONTROLS_WITHOUT_NAME, FOUND, TEXT_OF_POOR_CONTRAST, Browser
+from accessibility import CONTROLS_WITHOUT_NAME, TEXT_OF_POOR_CONTRAST
 from pages import GAP, RADIUS, page_of, two_runs
+from pictures.browser import FOUND, Browser
 
 from ev_sim.recording.recording import Recording
 from ev_sim.report.page.writing import Page, Signals, write_page
