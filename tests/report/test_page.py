@@ -21,6 +21,7 @@ from ev_sim.commands.run_scenario import main
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.recording import Recording, save
 from ev_sim.report import page as package
+from ev_sim.report.page.parameter_units import unit_of
 from ev_sim.report.page.plot_groups import groups_of
 from ev_sim.report.page.writing import (
     Packed,
@@ -30,7 +31,6 @@ from ev_sim.report.page.writing import (
     measured_signals,
     pack,
     signal_data,
-    unit_of,
     write_page,
 )
 from ev_sim.report.summary import EVERY_NODE, differences, write_summary
@@ -261,7 +261,9 @@ def test_every_parameter_of_a_node_stands_with_its_unit(text: str):
     )
     assert ("drive", "") in cells
     assert [unit_of("plant", name) for name in ("step", "sensors.wheel_speed.noise", "nothing")] == ["s", "rad/s", ""]
-    assert unit_of("a_node", "step") == ""
+    assert [unit_of("a_node", "step"), unit_of("*", "vehicle.mass")] == ["", "kg"]
+    gains = {method: unit_of("electronic_differential", "gain", method) for method in ("steering_correction", "")}
+    assert gains == {"steering_correction": "1/rad", "": ""}  # of another law it is in N m/rad
 
 
 def test_what_is_vendored_is_what_its_readme_says():

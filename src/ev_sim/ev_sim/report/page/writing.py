@@ -6,7 +6,6 @@ import base64
 import zlib
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,18 +13,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from jinja2 import Environment, FunctionLoader
 
-from ev_core.methods.register import CommonParameters, methods_of
-from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.data_file import TIME
-from ev_core.parameters.declaration import Entry, entries
-from ev_core.parameters.values import entries_by_name
-from ev_core.sensors.row import sensors_for
+from ev_core.parameters.declaration import entries
 from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.contract.roles import ROLES
 from ev_sim.figures.drawing import Figure
 from ev_sim.measures.handling import has_spun
 from ev_sim.measures.metric import Runs
 from ev_sim.recording.recording import Recording, atomic_file
+from ev_sim.report.page.parameter_units import unit_of
 from ev_sim.report.page.plot_groups import groups_of
 from ev_sim.views.car import PREFIX, car_of, view_channels
 
@@ -249,19 +244,6 @@ def write_page(page: Page, path: Path) -> None:
     )
     with atomic_file(path) as file:
         file.write(text.encode())
-
-
-def unit_of(node: str, parameter: str) -> str:
-    """The unit of a parameter of a node, empty where no method known here has it."""
-    return next((of[parameter].spec.unit for of in _described(node) if parameter in of), "")
-
-
-@cache
-def _described(node: str) -> tuple[Mapping[str, Entry], ...]:
-    if node not in ROLES:
-        return ()
-    shared = (CommonParameters, MasterParameters, *(method.parameters for method in methods_of(node).values()))
-    return (*map(entries_by_name, shared), entries_by_name(sensors_for(ROLES[node].writes), "sensors."))
 
 
 def filled(template: str, **values: Any) -> str:
