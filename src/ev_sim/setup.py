@@ -23,7 +23,6 @@ MANOEUVRES = (
     "double_lane_change",
     "hill_start",
     "launch_split_mu",
-    "obstacle_avoidance",
     "sine_with_dwell",
     "steady_circle",
     "step_steer",
