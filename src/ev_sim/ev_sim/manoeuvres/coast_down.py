@@ -67,18 +67,22 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
         def measured() -> float:
             if any((*road.get("road.grade", ()), *road.get("road.side_slope", ()))):
                 raise NotMeasured("the road is not level, and what its slope gives would count as road load")
+            if vehicle.road_load.linear != 0.0:
+                raise NotMeasured("f_0 and c_d A do not describe a road load with a part in proportion to the speed")
             return measure()
 
         return measured
 
+    rolling = vehicle.rolling_resistance + vehicle.road_load.constant / (vehicle.mass * GRAVITY)
     area = vehicle.drag_coefficient * vehicle.frontal_area
     if vehicle.air_density > 0.0:  # the part of the rolling resistance that grows with V^2 looks like drag
+        area += 2 * vehicle.road_load.quadratic / vehicle.air_density
         area += 2 * vehicle.mass * GRAVITY * vehicle.rolling_resistance_growth / vehicle.air_density
     return motion.of_each_run(
         runs,
         lambda run: {
             "rolling_resistance": metric(
-                level(lambda: road_load(run, vehicle)[0]), "1", _described(vehicle.rolling_resistance, "f_0")
+                level(lambda: road_load(run, vehicle)[0]), "1", _described(rolling, "f_0")
             ),
             "drag_area": metric(level(lambda: road_load(run, vehicle)[1]), "m^2", _described(area, "c_d A and k_f")),
             "initial_deceleration": metric(level(lambda: decelerations(run)[1][0]), "m/s^2"),

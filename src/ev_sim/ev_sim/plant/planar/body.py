@@ -91,6 +91,12 @@ def _within(value: float, limit: float) -> float:
 
 
 @inlined
+def speed_resistance(car: Car, body: BodyConstants, vx: float) -> float:
+    """What resists the body at a longitudinal velocity [m/s] beyond its wheels [N]: drag, or B V + C V^2."""
+    return body.drag * abs(vx) * vx + car.road_load.linear * vx
+
+
+@inlined
 def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, step: Step, starts: bool) -> None:
     """Time derivative of the integrated part `y` of the state, into `dy`; forces and slips go into `step`.
 
@@ -104,7 +110,7 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
     step.load[0], step.load[1], step.load[2], step.load[3] = load
     look(y, car, body, step, starts)
     at = step.contact
-    rolling = car.rolling_resistance + car.rolling_resistance_growth * vx * vx
+    rolling = car.constant_rolling_resistance + car.rolling_resistance_growth * vx * vx
     length = car.tyre.contact_length
     stiffness_x, stiffness_y = car.tyre.longitudinal_stiffness, car.tyre.lateral_stiffness
     # Forces and powers of the wheels, summed as (front left + front right) + (rear left + rear right).
@@ -160,7 +166,7 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
         friction_power += axle_friction_power
 
     specific_x, specific_y = sum_x / car.mass, sum_y / car.mass
-    drag = body.drag * abs(vx) * vx
+    drag = speed_resistance(car, body, vx)
     dy[state.DRAG_WORK] = drag * vx
     step.acceleration_x = specific_x - drag / car.mass + step.gravity_x
     holding = 0.0  # [N/kg], in the plane of the road below the centre of mass: it neither turns nor pitches the car
