@@ -163,7 +163,7 @@ def _cycle(name: str) -> tuple[np.ndarray, np.ndarray, float]:
     return (speeds[1:] + speeds[:-1]) / 2, np.diff(speeds) / _INTERVAL, _INTERVAL
 
 
-# Of the vehicle of the plant, compact_ev: wheels, and a rotor behind its gear, as mass [kg]; slip stiffness over load [1].
+# Of compact_ev, which the plant drives: wheels, and a rotor with its gear, as mass [kg]; slip stiffness over load [1].
 WHEELS, ROTOR, SLIP_STIFFNESS = 43.0, 13.8, 20.0
 
 

@@ -37,12 +37,8 @@ from ev_sim.study.electric_cars import (
 from ev_sim.study.study import Case, Results
 
 ABOUT = "Energy of the electric cars of an EPA test car list, wall to wheels, on UDDS and HWFET"
-COLUMNS = (
-    "car",
-    "drive",
-    "part",
-    *(f"{cycle}: {what}" for cycle in CYCLES for what in ("W h/km", "measured", "error")),
-)
+_OF_A_CYCLE = ("W h/km", "measured", "error")
+COLUMNS = ("car", "drive", "part", *(f"{cycle}: {what}" for cycle in CYCLES for what in _OF_A_CYCLE))
 LEFT = 3
 SUMS = ("median", "ninety")
 _SCENARIO, _VEHICLE = "coast_down", "compact_ev"
@@ -82,7 +78,13 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Each car on each cycle."""
     assumptions = _assumptions(given)
     return [
-        Case(f"{car.name}: {cycle}", _SCENARIO, _values(car, cycle, assumptions), duration=cycle_values(cycle)[1])
+        Case(
+            f"{car.name}: {cycle}",
+            _SCENARIO,
+            _values(car, cycle, assumptions),
+            duration=cycle_values(cycle)[1],
+            vehicle=_VEHICLE,
+        )
         for car in _cars(given)
         for cycle in CYCLES
     ]
@@ -105,6 +107,7 @@ def _values(car: ElectricCar, cycle: str, a: Assumptions) -> tuple[tuple[str, st
         "motor.copper_loss": a.copper / size * machines * torques,
         "motor.iron_loss": a.idle[car.drive] * size * radius / gear / machines,
         "battery.auxiliary_power": a.auxiliary_power,
+        "maximum_brake_torque": _LARGE_TORQUE,
         "battery.capacity": 1000.0,
         "battery.resistance": 1e-3,
         **dict.fromkeys(("motor.eddy_loss", "motor.inverter_loss", "motor.inverter_torque_loss"), 0.0),
@@ -119,14 +122,11 @@ def _values(car: ElectricCar, cycle: str, a: Assumptions) -> tuple[tuple[str, st
         "max_brake_torque": _LARGE_TORQUE,
         "max_regenerative_torque": a.recovery[car.drive] * car.mass * radius,
     }
-    profile = next(
-        value for node, name, value in cycle_values(cycle)[0] if (node, name) == ("driver", "speed_profile.file")
-    )
     return (
         *(("*", f"vehicle.{name}", value) for name, value in vehicle.items()),
         *(("driver", f"speed_control.{name}", value) for name, value in control.items()),
         ("driver", "pedals.begin", False),
-        ("driver", "speed_profile.file", profile),
+        ("driver", "speed_profile.file", f"cycles/{cycle}.csv"),
         ("plant", "initial_speed", 0.0),
     )
 
@@ -138,7 +138,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     wanted = run.configurations["driver"].parameters.speed_profile
     asked = np.interp(recording.time, wanted.time, wanted.speed)
     return {
-        "consumption": float(power[1:].sum()) * run.period / 3600.0 / (distance / 1000.0),
+        "consumption": float((power[1:] * np.diff(recording.time)).sum()) / 3600.0 / (distance / 1000.0),
         "speed_error": float(np.abs(motion.speed(recording) - asked).max()),
     }
 
@@ -150,10 +150,8 @@ def _compared(given: argparse.Namespace, results: Results) -> list[tuple[Electri
     for car in _cars(given):
         driven = [results[f"{car.name}: {cycle}"].measured for cycle in CYCLES]
         if all(driven):
-            pairs = [
-                (each["consumption"] / charger, car.measured[cycle]) for each, cycle in zip(driven, CYCLES, strict=True)
-            ]
-            found.append((car, car.vehicle in kept, pairs))
+            ours = (each["consumption"] / charger for each in driven)
+            found.append((car, car.vehicle in kept, list(zip(ours, car.measured.values(), strict=True))))
     return found
 
 
