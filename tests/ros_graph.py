@@ -33,9 +33,9 @@ from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire import format_of, message_class
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import load, signal_hash
+from ev_sim.recording.recording import PARAMETERS, load, signal_hash
 from ev_sim.running.domain import free_domain
-from ev_sim.running.offline import RECORDER, node_parameters
+from ev_sim.running.offline import RECORDER, node_parameters, write_parameter_file
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 NAMESPACE = "/ev"
@@ -161,6 +161,8 @@ class Graph:
         self.context = context
         self.directory = directory
         self.parameters = node_parameters(run, directory, bag)
+        if bag:
+            write_parameter_file(directory / PARAMETERS, run, self.parameters)
         self.nodes: dict[str, Any] = {}
         self.probe = Probe(context)
         for name in self.parameters if names is None else names:

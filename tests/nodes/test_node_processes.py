@@ -68,15 +68,16 @@ def wait_until(holds: Callable[[], bool]) -> None:
 
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
 def test_every_node_ends_in_peace_when_it_is_told_to(kind, tmp_path):
-    """Without a run, in the middle of waiting for each other."""
+    """Without a run, in the middle of waiting for each other; it has said that it is ready, and says no more."""
     with ros_domain() as context:
-        probe = Probe(context)
         nodes = {}
         more = {"recorder": ["-p", f"directory:={tmp_path}"], "plant": ["-p", "answer_timeout:=600.0"]}
         for name in NODES:
             words = [*command(name), "--ros-args", "-r", f"__ns:={NAMESPACE}", *more.get(name, ())]
             nodes[name] = start(words, context.get_domain_id())
-        wait_until(lambda: {*nodes} <= {name for name, _ in probe.get_node_names_and_namespaces()})
+        for name, process in nodes.items():
+            first = next(line for line in process.stdout if not line.startswith("compiling "))
+            assert first.endswith(f"[ev.{name}]: ready, in ROS domain {context.get_domain_id()}\n")
         for process in nodes.values():
             process.send_signal(kind)
         said = {name: without_compiling(process.communicate(timeout=PATIENCE)[0]) for name, process in nodes.items()}
@@ -297,7 +298,9 @@ def test_a_law_that_gives_no_number_ends_its_node(tmp_path: Path):
         wait_until(ended)
         said, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1
-    assert said == "asr: WheelTorqueCommand.drive.front_left is nan, only finite numbers are allowed\n"
+    ready, said = said.splitlines()
+    assert "ready" in ready
+    assert said == "asr: WheelTorqueCommand.drive.front_left is nan, only finite numbers are allowed"
 
 
 STOPPED_WHILE_LOADED = """

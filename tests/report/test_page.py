@@ -21,7 +21,7 @@ from ev_sim.commands.run_scenario import main
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.recording import Recording, save
 from ev_sim.report import page as package
-from ev_sim.report.page.top_view import groups_of
+from ev_sim.report.page.plot_groups import groups_of
 from ev_sim.report.page.writing import Packed, Signals, envelope, measured_signals, pack, signal_data
 from ev_sim.report.summary import EVERY_NODE, differences, write_summary
 from ev_sim.scenarios.scenario import Overrides, load_scenario

@@ -44,6 +44,16 @@ def messages_in(bag: Path) -> dict[str, int]:
     return counts
 
 
+def shown_in(bag: Path) -> dict[str, list[bytes]]:
+    """What viewers are shown, to the last bit."""
+    found: dict[str, list[bytes]] = {"/tf": [], "/tf_static": [], "/ev/odometry": [], "/ev/robot_description": []}
+    with AnyReader([bag]) as reader:
+        for connection, _, data in reader.messages():
+            if connection.topic in found:
+                found[connection.topic].append(bytes(data))
+    return found
+
+
 @contextmanager
 def both_cores_busy() -> Iterator[None]:
     hogs = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(os.cpu_count() or 2)]
@@ -76,6 +86,7 @@ def test_every_way_of_running_gives_the_same_signals(
     assert ours.channels.keys() == theirs.channels.keys()
     assert all(np.array_equal(ours.channels[name], theirs.channels[name]) for name in ours.channels)
     assert messages_in(tmp_path / "bag").items() >= messages_in(offline / "bag").items()
+    assert shown_in(tmp_path / "bag") == shown_in(offline / "bag")
 
 
 def test_the_same_signals_while_both_cores_are_busy(offline: Path, tmp_path: Path):

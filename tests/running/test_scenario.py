@@ -414,3 +414,35 @@ def test_a_scenario_may_borrow_a_report_and_bring_metrics(scenario):
     assert "unknown reduction 'lost'; did you mean last? known: " in refused(scenario(text.replace("= last", "= lost")))
     assert "unknown channel 'pose.q'; did you mean pose." in refused(scenario(text.replace("pose.x", "pose.q")))
     assert "allowed is NAME = REDUCTION(CHANNEL)" in refused(scenario(text.replace("end =", "")))
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_every_scenario_names_five_numbers_of_its_nodes_for_a_lesson(name):
+    """A study of their effect is no test: each of them changed the hash of the run when it was chosen."""
+    loaded = load_scenario(name)
+    there = {
+        f"{node}.{key}" for run in loaded.runs for node, each in run.configurations.items() for key in each.values()
+    }
+    assert len({*loaded.parameters.lesson}) == 5 and {*loaded.parameters.lesson} <= there
+
+
+@pytest.mark.parametrize(
+    ("named", "said"),
+    [
+        ("driverr.band", "lesson: unknown node 'driverr'; did you mean driver?"),
+        ("asr", "lesson: unknown number of asr that changes while it runs 'asr'; did you mean asr."),
+        ("asr.bandwith", "unknown number of asr that changes while it runs 'asr.bandwith'; did you mean asr.bandwidth"),
+        ("driver.speed_profile.speed", "lesson: unknown number of driver that changes while it runs"),  # no number
+        ("plant.vehicle.mass", "lesson: unknown number of plant that changes while it runs"),  # fixed
+        ("driver.method", "lesson: unknown number of driver that changes while it runs"),
+    ],
+)
+def test_a_lesson_of_what_no_slider_can_change_is_one_line(scenario, named, said):
+    assert said in refused(scenario(HEAD.replace("about", f"lesson: [{named}], about")))
+
+
+@pytest.mark.parametrize("name", ["duration", "manoeuvre_end", "lesson"])
+def test_what_the_scenario_states_of_itself_is_not_set_in_the_plant(scenario, name):
+    value = "[]" if name == "lesson" else "1.0"
+    said = refused(scenario(HEAD + section("/**/plant", f"{{{name}: {value}}}")))
+    assert f"plant.{name} is refused, allowed in the section /**/scenario" in said

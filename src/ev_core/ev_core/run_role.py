@@ -113,6 +113,8 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
             refuse_late_time_of_day()
             rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
             node = make()
+            if SILENTLY not in os.environ:  # a runner knows by itself
+                node.get_logger().info(f"ready, in ROS domain {node.context.get_domain_id()}")
             try:
                 spin([node], lambda: node.done or stop.received)
             finally:

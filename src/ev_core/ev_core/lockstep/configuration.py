@@ -107,6 +107,18 @@ class Configuration:
         return configure(self.role, {**self.values(), **values}, type(self.extra) if self.extra is not None else None)
 
 
+def changeable_numbers(role: str) -> dict[str, Entry]:
+    """By name the numbers of a role, under any of its methods, that may change while it runs."""
+    own = (entries_by_name(method.parameters) for method in methods_of(role).values())
+    of_role = (*own, entries_by_name(sensors_for(ROLES[role].writes), _SENSORS))
+    return {
+        name: entry
+        for of in of_role
+        for name, entry in of.items()
+        if entry.type in (int, float) and not (entry.is_array or entry.spec.read_only)
+    }
+
+
 def _method_entry(role: str, name: str) -> Entry:
     known = dict.fromkeys((*methods_of(role), name))  # a library's path as well
     spec = Spec(f"how the {role} works", choices=tuple(known), read_only=True)

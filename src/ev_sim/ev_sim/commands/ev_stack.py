@@ -6,6 +6,7 @@ import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from importlib.metadata import version
 
 from ev_core.nodes.stop_request import (
     end_stopped,
@@ -40,6 +41,12 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
     "dashboard": ("dashboard.main", "a local page: live signals, the car from above, parameters, time"),
     "compile": ("compiling.main", "compile all methods, or those of scenarios, so that no run has to wait"),
     "header": ("exports.print_header", "ev_laws.h, the interface of laws in C and C++"),
+    "param": ("shell.param", "parameters of running nodes: get NODE [NAME], set NODE NAME VALUE, dump [NODE]"),
+    "pause": ("shell.pause", "let the time of a running graph stand still"),
+    "resume": ("shell.resume", "let it go on"),
+    "step": ("shell.step", "let one step pass, or N, and stand still"),
+    "reset": ("shell.reset", "begin anew at time zero"),
+    "topic": ("shell.topic", "messages of a running graph as YAML: topic echo NAME"),
     "inspect": ("live_graph.inspect", "show the running graph: nodes, topics, rates"),
 }
 
@@ -63,9 +70,12 @@ def main() -> None:
 def perform(words: Sequence[str]) -> None:
     """Do what the words of a command line ask for; SystemExit, KeyboardInterrupt."""
     if not words or words[0] in ("-h", "--help"):
-        print("ev-stack COMMAND [options]; COMMAND is one of")
+        print("ev-stack COMMAND [options], ev-stack --version; COMMAND is one of")
         for name, (_, about) in COMMANDS.items():
             print(f"  {name:10} {about}")
+        return
+    if words[0] == "--version":
+        print(f"ev-stack {version('ev_sim')}")
         return
     if words[0] not in COMMANDS:
         print(f"ev-stack: unknown command {quoted(words[0])}; known: {', '.join(COMMANDS)}", file=sys.stderr)

@@ -32,7 +32,7 @@ def print_header(argv: list[str]) -> None:
 
 def print_urdf(argv: list[str]) -> None:
     """ev-stack urdf VEHICLE"""
-    from ev_sim.dashboard.ros_views import urdf
+    from ev_sim.views.urdf import urdf
 
     parser = Parser(prog="ev-stack urdf", description="A car as URDF, for RViz and Foxglove.")
     parser.add_argument("vehicle", help="name of a vehicle, or path of a vehicle file")

@@ -5,54 +5,40 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 
 import rclpy
 from rclpy.exceptions import InvalidNamespaceException
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 from rclpy.validate_namespace import validate_namespace
 
 from ev_core.nodes.stop_request import StopRequest
-from ev_msgs_py.refusal import LINE, quoted, shown
+from ev_msgs_py.refusal import LINE, shown
 from ev_msgs_py.wire import message_class
 from ev_sim.command_line.refusal import Parser, refuse
-from ev_sim.running.domain import reserved_domains
+from ev_sim.commands.present_graph import full_names, in_the_graph
+from ev_sim.commands.shell import messages, topics_of
+from ev_sim.recording.outcome import RunFailed
 
 _OWN_NAME = "inspect_graph"
-_LOOKING_TIME = 1.0  # s that nodes have to answer before the graph is taken as complete
-_ROS_OWN = ("/parameter_events", "/rosout")
 
 
 def inspect(argv: list[str]) -> None:
     """scripts/inspect.sh [--seconds S] [--echo TOPIC]"""
     parser = Parser(prog="inspect.sh", description="Show the running graph: nodes, topics, rates.")
     parser.add_argument("--seconds", type=_positive, default=2.0, help="how long rates are measured")
-    parser.add_argument("--echo", metavar="TOPIC", help="print one message of this topic and end")
+    parser.add_argument("--echo", metavar="TOPIC", help="print one message of this topic, as YAML, and end")
     given = parser.parse_args(argv)
     try:
-        with suppress(KeyboardInterrupt), _looking(_OWN_NAME, _LOOKING_TIME) as node:
+        with suppress(KeyboardInterrupt), in_the_graph(_OWN_NAME) as node:
             if given.echo:
-                print(_one_message(node, given.echo))
+                print(next(messages(node, given.echo)), end="")
             else:
                 print("\n".join(shown(line, LINE) for line in _graph(node, given.seconds)))
-    except LookupError as error:
+    except (LookupError, RunFailed) as error:
         sys.exit(error.args[0])
-
-
-@contextmanager
-def _looking(name: str, seconds: float) -> Iterator[Node]:
-    """A node of our own in the graph, for which the others have had time to answer."""
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        node = Node(name, start_parameter_services=False)
-        time.sleep(seconds)
-        yield node
-    finally:
-        rclpy.try_shutdown()
 
 
 def _positive(text: str) -> float:
@@ -60,10 +46,6 @@ def _positive(text: str) -> float:
     if not 0.0 < seconds < float("inf"):
         raise ValueError
     return seconds
-
-
-def _topics(node: Node) -> dict[str, str]:
-    return {name: types[0] for name, types in sorted(node.get_topic_names_and_types()) if name not in _ROS_OWN}
 
 
 def _count(node: Node, topics: dict[str, str], seconds: float) -> dict[str, int]:
@@ -85,17 +67,11 @@ def _count(node: Node, topics: dict[str, str], seconds: float) -> dict[str, int]
 
 
 def _graph(node: Node, seconds: float) -> list[str]:
-    nodes = sorted(f"{space.rstrip('/')}/{name}" for name, space in node.get_node_names_and_namespaces())
-    nodes = [name for name in nodes if not name.endswith(f"/{_OWN_NAME}")]
-    if not nodes:
-        others = ", ".join(map(str, reserved_domains())) or "none"
-        domain = node.context.get_domain_id()
-        raise LookupError(f"no nodes are running in ROS domain {domain}; runs are under way in: {others}")
-    topics = _topics(node)
+    topics = topics_of(node)
     writers = {name: _names(node.get_publishers_info_by_topic(name)) for name in topics}
     readers = {name: _names(node.get_subscriptions_info_by_topic(name)) for name in topics}
     counts = _count(node, topics, seconds)
-    lines = ["nodes", *(f"  {name}" for name in nodes), "", "topics"]
+    lines = ["nodes", *(f"  {name}" for name in full_names(node)), "", "topics"]
     for name, kind in topics.items():
         rate = f"{counts[name] / seconds:.1f} Hz" if name in counts else "message type is not installed"
         lines.append(f"  {name}  {kind}  {rate}")
@@ -107,19 +83,7 @@ def _names(ends: list) -> list[str]:
     return sorted({end.node_name for end in ends} - {_OWN_NAME})
 
 
-def _one_message(node: Node, topic: str) -> str:
-    topics = _topics(node)
-    if topic not in topics:
-        raise LookupError(f"no topic {quoted(topic)}; known: {', '.join(topics) or 'none'}")
-    kind = message_class(topics[topic])
-    subscription = node.create_subscription(kind, topic, lambda message: None, 10, raw=True)
-    while (taken := subscription.handle.take_message(kind, True)) is None:
-        time.sleep(0.01)
-    return str(deserialize_message(taken[0], kind))
-
-
 _ABOUT_POLICIES = "Write the policy file of the graph for DDS security, or hold the running graph against it."
-_DISCOVERY_TIME = 2.0  # s that nodes have to answer before the graph is taken as complete
 
 
 def policies(argv: list[str]) -> None:
@@ -136,8 +100,11 @@ def policies(argv: list[str]) -> None:
     if not given.check:
         print(policy_file(given.namespace, allowed.values()), end="")
         return
-    with _looking("security_policies", _DISCOVERY_TIME) as node:
-        used = permissions_in_use(node, given.namespace)
+    try:
+        with in_the_graph("security_policies") as node:
+            used = permissions_in_use(node, given.namespace)
+    except (LookupError, RunFailed) as error:
+        refuse(error.args[0])
     if not used:
         refuse(f"no node is running in namespace {given.namespace}")
     found = violations(allowed, used.values())
@@ -163,6 +130,7 @@ def visualize(argv: list[str]) -> None:
     from ev_sim.dashboard.controls import Controls
     from ev_sim.dashboard.live_frames import LiveFrames
     from ev_sim.dashboard.ros_views import RosViews
+    from ev_sim.views.messages import CarViews
 
     with StopRequest() as stop:
         rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
@@ -176,7 +144,8 @@ def visualize(argv: list[str]) -> None:
                 was_there |= controls.has_master
                 controls.look()
                 if frames.look() and frames.vehicle is not None:
-                    views.publish(frames.time, frames.values, frames.vehicle)
+                    rear_is_steered = "rear_steering" in controls.nodes
+                    views.publish(frames.recording, CarViews(node.get_namespace(), frames.vehicle, rear_is_steered))
                 time.sleep(_VIEW_PERIOD)
         finally:
             rclpy.try_shutdown()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any
 
@@ -168,11 +168,10 @@ class Controls:
         self._ask(client.describe_parameters(names), described, again)
 
     def _described(self, name: str, descriptors: list[ParameterDescriptor], response: Any) -> None:
-        parameters = []
+        values = [parameter_value_to_python(value) for value in response.values]
         for descriptor, value in zip(descriptors, response.values, strict=True):
             self._types[name, descriptor.name] = Parameter.Type(value.type)
-            parameters.append({**_about(descriptor), "value": _plain(parameter_value_to_python(value))})
-        self.nodes[name] = {"kind": "node", "node": name, "parameters": parameters}
+        self.nodes[name] = node_message(name, descriptors, values)
         self._tell(self.nodes[name])
 
     def _set(self, node: str, name: str, value: Any) -> None:
@@ -213,6 +212,13 @@ class Controls:
     def _ask(self, future: Future, then: Callable[[Any], None], otherwise: Callable[[], None]) -> None:
         """Call `then` with the answer, or `otherwise` without one: what a graph has just found is lost at times."""
         self._waiting.append((future, then, otherwise, time.monotonic() + _PATIENCE))
+
+
+def node_message(name: str, descriptors: Iterable[ParameterDescriptor], values: Iterable[Any]) -> dict[str, Any]:
+    """The message that has a page show a node: all its parameters, as they are described, and their values."""
+    described = zip(descriptors, values, strict=True)
+    parameters = [{**_about(descriptor), "value": _plain(value)} for descriptor, value in described]
+    return {"kind": "node", "node": name, "parameters": parameters}
 
 
 def _about(descriptor: ParameterDescriptor) -> dict[str, Any]:

@@ -6,7 +6,7 @@ The graph knows the node of a report, and any node may take that name.
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -19,7 +19,6 @@ from rclpy.serialization import deserialize_message
 from ev_core.nodes import runner_line
 from ev_core.nodes.reports import HEALTH, NOTED
 from ev_core.nodes.signal_io import HELD, Reader, SignalReader
-from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, SIZE, TIME
@@ -29,7 +28,8 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, shown
 from ev_msgs_py.wire import MessageError, format_of
 from ev_sim.recording.recording import Recording, recording_of
-from ev_sim.report.page.top_view import PREFIX, car_of, groups_of, view_channels
+from ev_sim.report.page.plot_groups import groups_of
+from ev_sim.views.car import PREFIX, car_of, vehicle_in, view_channels
 
 _MOST = 1000  # different ones that are remembered
 
@@ -82,7 +82,6 @@ class Reported:
 # Of the messages between two looks only the last one counts, and no writer waits for a page or sends to it again.
 _NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
-_VEHICLE = "vehicle."
 _TELLS_TIME = BodyVelocity  # of the master, at every instant: one topic never goes back, several overtake each other
 
 
@@ -143,9 +142,7 @@ class LiveFrames:
         values = {each["name"]: each["value"] for each in message["parameters"]}
         self._period = stamps.from_seconds(values["control_period"])
         try:
-            self.vehicle = build(
-                Vehicle, {name: value for name, value in values.items() if name.startswith(_VEHICLE)}, _VEHICLE
-            )
+            self.vehicle = vehicle_in(values)
         except ParameterError as error:
             self._refuse(str(error), f"the car cannot be shown: {error}")
 
@@ -155,10 +152,8 @@ class LiveFrames:
         return [*self._shown]
 
     def layout(self) -> dict[str, Any]:
-        """The columns of the rows after the time, how they are plotted together, and the car."""
-        plotted = [name for name in self.columns if not name.startswith(PREFIX)]
-        car = None if self.vehicle is None else car_of(self.vehicle)
-        return {"kind": "layout", "channels": self.columns, "groups": groups_of(plotted), "car": car}
+        """The message that lays a page out for its rows."""
+        return layout_message(self.columns, self.vehicle)
 
     @property
     def values(self) -> dict[str, float]:
@@ -170,5 +165,16 @@ class LiveFrames:
         return array("d", [self.time, *self.values.values()]).tobytes()
 
     def _channels(self) -> dict[str, np.ndarray]:
-        run: Recording = recording_of(self._numbers, [TOPICS[signal] for signal in self._heard])
+        run = self.recording
         return {**run.channels, **(view_channels(run, self.vehicle) if self.vehicle else {})}
+
+    @property
+    def recording(self) -> Recording:
+        """The newest instant alone."""
+        return recording_of(self._numbers, [TOPICS[signal] for signal in self._heard])
+
+def layout_message(columns: Sequence[str], vehicle: Vehicle | None) -> dict[str, Any]:
+    """The message with the channels of a row after its time, how they are plotted together, and the car."""
+    plotted = [name for name in columns if not name.startswith(PREFIX)]
+    car = None if vehicle is None else car_of(vehicle)
+    return {"kind": "layout", "channels": [*columns], "groups": groups_of(plotted), "car": car}

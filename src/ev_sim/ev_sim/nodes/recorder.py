@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -24,6 +25,8 @@ from ev_msgs_py.contract.roles import MASTER, RECORDER, RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire import MessageError, stamp_of
 from ev_sim.recording.run_recorder import RecorderParameters, RunRecorder
+from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.views.messages import CarViews, views_of_nodes
 
 _Add = Callable[[list[bytes], list[int]], None]  # takes messages, and when they came [ns]
 POLL_PERIOD = 0.01  # s; several steps are taken in one go, which costs less than waking up for each message
@@ -107,12 +110,20 @@ class RecorderNode(Spinnable, Node):
         p = build(RecorderParameters, ros_parameters.overrides(self))
         ros_parameters.declare(self, entries(p))
         topics = [topic for topic in TOPICS.values() if topic.name in p.topics]
-        self._recorder = RunRecorder(p, topics, [self.resolve_topic_name(topic.name) for topic in topics])
+        names = [self.resolve_topic_name(topic.name) for topic in topics]
+        self._recorder = RunRecorder(p, topics, names, self._views(p))
         try:
             self._begin(p, topics)
         except BaseException:  # nobody has this node, to close it: its bag would be written on after the last word
             self._recorder.close()
             raise
+
+    def _views(self, p: RecorderParameters) -> CarViews | None:
+        if not (p.bag and p.parameter_file):
+            return None
+        file, space = ParameterFile(Path(p.parameter_file)), self.get_namespace()
+        named = {role: file.values_for(f"{space.rstrip('/')}/{role}") for role in (*ROLES, RECORDER)}
+        return views_of_nodes(space, {role: values for role, values in named.items() if values})
 
     def _begin(self, p: RecorderParameters, topics: list[Topic]) -> None:
         self._reports = Reports(self, RECORDER)

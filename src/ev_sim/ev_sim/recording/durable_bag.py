@@ -13,6 +13,7 @@ from __future__ import annotations
 import shutil
 import time
 from collections.abc import Callable
+from functools import cache
 from io import BytesIO
 from pathlib import Path
 from typing import ClassVar
@@ -21,6 +22,7 @@ from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLi
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
 
 
 class _PositionedBuffer(BytesIO):
@@ -105,6 +107,12 @@ class TwinWriter(Writer):
         self.storage = None
 
 
+@cache
+def ros_types() -> Typestore:
+    """The definitions of messages, also of those whose package is not installed."""
+    return get_typestore(Stores.ROS2_KILTED)
+
+
 # What ROS 2 writes for "no limit": the longest duration that it can express.
 UNLIMITED = QosTime(sec=9223372036, nsec=854775807)
 
@@ -124,7 +132,6 @@ class DurableBag:
             raise FileExistsError(f"{directory} exists already: a recording needs a new directory")
         self._checkpoint_period = checkpoint_period
         self._clock = clock
-        self._types = get_typestore(Stores.ROS2_KILTED)
         self._writer = TwinWriter(directory, version=Writer.VERSION_LATEST, storage_plugin=StoragePlugin.MCAP)
         self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
         try:
@@ -134,13 +141,16 @@ class DurableBag:
             shutil.rmtree(directory, ignore_errors=True)
             raise
 
-    def add_topic(self, name: str, message_type: str, depth: int = 10) -> Connection:
-        """Announce a topic with the quality of service of its publisher; the answer is the handle for `write`."""
+    def add_topic(self, name: str, message_type: str, depth: int = 10, lasts: bool = False) -> Connection:
+        """Announce a topic with the quality of service of its publisher; the answer is the handle for `write`.
+
+        What `lasts` is kept for subscribers that come later.
+        """
         quality = Qos(
             history=QosHistory.KEEP_LAST,
             depth=depth,
             reliability=QosReliability.RELIABLE,
-            durability=QosDurability.VOLATILE,
+            durability=QosDurability.TRANSIENT_LOCAL if lasts else QosDurability.VOLATILE,
             deadline=UNLIMITED,
             lifespan=UNLIMITED,
             liveliness=QosLiveliness.AUTOMATIC,
@@ -148,7 +158,7 @@ class DurableBag:
             avoid_ros_namespace_conventions=False,
         )
         self._pending = True
-        return self._writer.add_connection(name, message_type, typestore=self._types, offered_qos_profiles=[quality])
+        return self._writer.add_connection(name, message_type, typestore=ros_types(), offered_qos_profiles=[quality])
 
     def write(self, handle: Connection, stamp_ns: int, data: bytes) -> None:
         """Record one message, CDR with its encapsulation header as a raw subscription delivers it."""

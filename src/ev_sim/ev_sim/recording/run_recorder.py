@@ -21,6 +21,7 @@ from ev_msgs_py.refusal import ParameterError, quoted
 from ev_msgs_py.wire import MessageError, stamp_of
 from ev_sim.recording.durable_bag import DurableBag
 from ev_sim.recording.recording import BAG, SIGNALS, Recording, free_path, write_signals
+from ev_sim.recording.shown import Shown, ViewsInBag
 from ev_sim.recording.spool import BLOCK, MessageTable, Spool, SpooledTopic
 
 _ALL_TOPICS = tuple(TOPICS[signal].name for signal in RECORDED)
@@ -35,6 +36,12 @@ class RecorderParameters:
         _ALL_TOPICS, choices=_ALL_TOPICS, about="topics that belong to every step of this run", read_only=True
     )
     bag: bool = setting(True, about="write a bag besides signals.npz", read_only=True)
+    parameter_file: str = setting(
+        "",
+        about="parameter file that all nodes of the run were started with: the bag gets what it holds, and the car for "
+        "viewers; empty: neither",
+        read_only=True,
+    )
     control_period: float = setting(
         0.01, unit="s", low=1e-4, high=1.0, about="step of the graph, the same for all nodes", read_only=True
     )
@@ -61,7 +68,9 @@ class RunRecorder:
     does the bag; the one before is kept beside it. What comes of another run than the present one is not kept.
     """
 
-    def __init__(self, p: RecorderParameters, topics: Sequence[Topic], names: Sequence[str]) -> None:
+    def __init__(
+        self, p: RecorderParameters, topics: Sequence[Topic], names: Sequence[str], shown: Shown | None = None
+    ) -> None:
         folder = Path(p.directory)
         if any(os.path.lexists(folder / name) for name in ((BAG, SIGNALS) if p.bag else (SIGNALS,))):
             raise ParameterError(
@@ -71,6 +80,7 @@ class RunRecorder:
         self._signals, self._is_written = folder / SIGNALS, False
         self._topics = tuple(topics)
         self._names = tuple(names)
+        self._shown = shown
         self._period = stamps.from_seconds(p.control_period)
         self._may_skip = p.mode == "realtime"
         last = stamps.from_seconds(p.duration) // self._period
@@ -94,6 +104,9 @@ class RunRecorder:
             for topic, name in zip(self._topics, self._names, strict=True)
         ]
         self._beside: dict[str, object] = {}
+        self._views = (
+            ViewsInBag(self._bag, self._shown, self._topics, self._period) if self._bag and self._shown else None
+        )
 
     def add(
         self, index: int, messages: Sequence[bytes], came: Sequence[int], refuse: Callable[[MessageError], None]
@@ -136,7 +149,10 @@ class RunRecorder:
                 return
         kept.append(message, numbers)
         if self._bag is not None:
-            self._bag.write(self._handles[index], came if self._may_skip else step * self._period, message)
+            at = came if self._may_skip else step * self._period
+            self._bag.write(self._handles[index], at, message)
+            if self._views is not None:
+                self._views.take(step, frame.PLACES[self._topics[index].signal], numbers, at)
 
     def _begins_run(self, run: int, kept: SpooledTopic, message: bytes) -> bool:
         """Whether the first state is that of a later run, or of another master."""
@@ -148,19 +164,22 @@ class RunRecorder:
         before, self._run = self._run, run
         if not any(kept.count for kept in self._messages):  # it has joined behind resets
             return
+        if self._bag is not None:
+            self._close_bag()
+            self._directory.rename(free_path(Path(f"{self._directory}_before_reset_")))
         for kept in self._messages:
             kept.clear()
         self._spool.clear()
         self.loss = ""
         self._before = before
         if self._bag is not None:
-            self._bag.close()
-            self._directory.rename(free_path(Path(f"{self._directory}_before_reset_")))
             self._begin_bag()
 
     def took_all(self) -> None:
         """To be called when every message that had arrived was added: those of the run before a reset are gone."""
         self._before = None
+        if self._views is not None:  # in real time what is of the newest instant may still come
+            self._views.write(self._paced() - self._may_skip)
 
     def _note_loss(self, index: int, due: int, came: int) -> None:
         first, last = (stamps.to_seconds(step * self._period) for step in (due, came))
@@ -217,9 +236,16 @@ class RunRecorder:
         with closing(self._spool):
             try:
                 if self._bag is not None:
-                    self._bag.close()
+                    self._close_bag()
             finally:  # what the bag has no room for may still fit in there
                 write_signals(self._signals, self._series())
+
+    def _close_bag(self) -> None:
+        try:
+            if self._views is not None:
+                self._views.write(self._paced(), few=False)
+        finally:
+            self._bag.close()
 
     def _series(self) -> Iterator[tuple[str, np.ndarray]]:
         steps = self._paced()
@@ -229,7 +255,14 @@ class RunRecorder:
                 yield from zip(topic.channels, kept.series(steps), strict=True)
 
 
-def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path) -> None:
+def write_bag(
+    recording: Recording,
+    topics: Sequence[Topic],
+    names: Sequence[str],
+    period: int,
+    bag: Path,
+    shown: Shown | None = None,
+) -> None:
     """The bag of a run that had no messages: the same bytes that the nodes would have sent.
 
     KeyboardInterrupt, when the message that is being written is there as a whole, if Ctrl-C or SIGTERM came.
@@ -244,6 +277,8 @@ def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str
                 break
             for handle, message in zip(handles, messages, strict=True):
                 written.write(handle, step * period, message)
+        if shown is not None and not stop.received:
+            ViewsInBag(written, shown, topics, period).write_all(recording)
     if stop.received:
         raise KeyboardInterrupt
 

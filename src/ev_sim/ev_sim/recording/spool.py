@@ -31,18 +31,11 @@ class MessageTable:
     def serialize(self, stamps_ns: np.ndarray, frames: np.ndarray) -> list[bytes]:
         """Messages from their stamps (n,) in nanoseconds and frames (n, frame size)."""
         messages = np.tile(self._bytes, (len(frames), 1))
-        seconds, nanoseconds = np.divmod(stamps_ns, stamps.NANOSECONDS)
-        self._put(messages, STAMP_AT, seconds.astype("<i4"))
-        self._put(messages, STAMP_AT + 4, nanoseconds.astype("<u4"))
+        put_stamps(messages, STAMP_AT, stamps_ns)
         for run in self._format.runs:
             numbers = frames[:, run.place : run.place + run.length].astype(self._number)
-            self._put(messages, run.offset, np.ascontiguousarray(numbers))
+            put(messages, run.offset, np.ascontiguousarray(numbers))
         return [message.tobytes() for message in messages]
-
-    @staticmethod
-    def _put(messages: np.ndarray, place: int, numbers: np.ndarray) -> None:
-        raw = numbers.view(np.uint8).reshape(len(messages), -1)
-        messages[:, place : place + raw.shape[1]] = raw
 
     def read(self, messages: Sequence[bytes], frames: np.ndarray) -> None:
         """Put the numbers of messages into frames (n, frame size); MessageError if one of them is refused."""
@@ -73,6 +66,19 @@ class MessageTable:
             except MessageError as error:
                 refuse(i, error)
         return found
+
+
+def put(messages: np.ndarray, place: int, numbers: np.ndarray) -> None:
+    """Write numbers (n, ...), in one piece of memory, to a place in the bytes of each of n messages."""
+    raw = numbers.view(np.uint8).reshape(len(messages), -1)
+    messages[:, place : place + raw.shape[1]] = raw
+
+
+def put_stamps(messages: np.ndarray, place: int, stamps_ns: np.ndarray) -> None:
+    """Write stamps [ns] (n,)."""
+    seconds, nanoseconds = np.divmod(stamps_ns, stamps.NANOSECONDS)
+    put(messages, place, seconds.astype("<i4"))
+    put(messages, place + 4, nanoseconds.astype("<u4"))
 
 
 BLOCK = 1024  # steps

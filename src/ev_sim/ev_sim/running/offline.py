@@ -40,6 +40,7 @@ def node_parameters(
         "directory": str(directory),
         "topics": [topic.name for topic in recorded_topics(run)],
         "bag": bag,
+        "parameter_file": str(directory / PARAMETERS) if bag else "",
         "control_period": common.control_period,
         "mode": common.mode,
         "duration": run.duration,
@@ -71,13 +72,16 @@ def drive_offline(run: Run, progress: Progress = lambda time: None) -> Outcome:
 
 def run_offline_into(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
     """Drive one run and leave in `directory` what its nodes would: parameters, signals, and a bag if it is wanted."""
-    write_parameter_file(directory / PARAMETERS, run, node_parameters(run, directory, bag))
+    nodes = node_parameters(run, directory, bag)
+    write_parameter_file(directory / PARAMETERS, run, nodes)
     outcome = drive_offline(run, progress)
     save(outcome.recording, directory / SIGNALS)
     if bag:
         from ev_sim.recording.run_recorder import write_bag  # a run without a bag needs no ROS
+        from ev_sim.views.messages import views_of_nodes
 
         topics = recorded_topics(run)
         names = [f"{run.namespace}/{topic.name}" for topic in topics]
-        write_bag(outcome.recording, topics, names, run.period, directory / BAG)
+        views = views_of_nodes(run.namespace, nodes)
+        write_bag(outcome.recording, topics, names, run.period, directory / BAG, views)
     return outcome

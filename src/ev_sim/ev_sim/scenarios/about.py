@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from ev_core.lockstep.configuration import changeable_numbers
 from ev_core.methods.register import offered
 from ev_core.nodes.master.real_time import LONGEST
 from ev_core.parameters.data_file import files_in_config, refuse_outside
@@ -14,6 +15,7 @@ from ev_core.parameters.declaration import entries, group, setting
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.files import with_files
+from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.measures.metric import parsed
 from ev_sim.scenarios.parameter_file import ParameterFile
@@ -91,6 +93,7 @@ class ScenarioParameters:
     metrics: tuple[str, ...] = setting(
         (), about="metrics of its own, each as NAME = REDUCTION(CHANNEL), such as peak = maximum(imu.yaw_rate)"
     )
+    lesson: tuple[str, ...] = setting((), about="numbers, as NODE.NAME, that the live page has beside its plots")
 
     def __post_init__(self) -> None:
         """Names of runs are those of folders and of namespaces, and ParameterError if they cannot be."""
@@ -115,6 +118,18 @@ def said_by(file: ParameterFile) -> ScenarioParameters:
             raise unknown_name("report", about.report, sorted(offered(REPORTS)))
         for text in about.metrics:
             parsed(text)  # refuses what is no metric
+        for text in about.lesson:
+            _refuse_unknown_number(text)
         return about
     except ParameterError as error:
         raise ParameterError(f"{file.path}: {error}") from None
+
+
+def _refuse_unknown_number(text: str) -> None:
+    """ParameterError unless this is NODE.NAME of a number that a method of the node may change while it runs."""
+    node, _, name = text.partition(".")
+    if node not in ROLES:
+        raise ParameterError(f"lesson: {unknown_name('node', node, ROLES)}")
+    if name not in (known := changeable_numbers(node)):
+        listed = [f"{node}.{each}" for each in known]
+        raise ParameterError(f"lesson: {unknown_name(f'number of {node} that changes while it runs', text, listed)}")

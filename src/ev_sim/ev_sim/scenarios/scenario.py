@@ -134,13 +134,13 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     for run_name, namespace in namespaces.items():
         if only and run_name not in only:
             continue
-        run = _run(run_name, _Sources(namespace, files, overrides), duration)
+        run = _run(run_name, _Sources(namespace, files, overrides), duration, about)
         may_differ = any((overrides.vehicle, overrides.files, overrides.all_values))
         told = _Sources(namespace, [*map(ParameterFile, overrides.files)], overrides)
         is_scaled = may_differ and SCALE in told.values(COLUMN)
         if about.slow_ramp.lateral_acceleration and may_differ and not is_scaled:
             of_file = _Sources(namespace, [vehicle_file(about.vehicle), own], Overrides())
-            as_it_is = _run(run_name, of_file, about.duration)
+            as_it_is = _run(run_name, of_file, about.duration, about)
             run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
             notes += [note] if note else []
         runs.append(replace(run, report=about.report or name, metrics=about.metrics))
@@ -256,11 +256,13 @@ class _Sources:
                     raise ParameterError(f"parameter {name} is refused: {file} says it, allowed with {file} ''", name)
 
 
-def _run(name: str, sources: _Sources, duration: float) -> Run:
+def _run(name: str, sources: _Sources, duration: float, about: ScenarioParameters) -> Run:
     values = {role: sources.values(role) for role in ROLES}
-    if "duration" in values[MASTER]:
-        raise ParameterError("plant.duration is refused: the duration of a run is that of the scenario, or --duration")
-    values[MASTER]["duration"] = duration
+    stated = {"duration": duration, "manoeuvre_end": about.duration, "lesson": about.lesson}
+    if given := [key for key in stated if key in values[MASTER]]:
+        where = f"allowed in the section /**/{SCENARIO_NODE}{', or --duration' * (given[0] == 'duration')}"
+        raise ParameterError(f"{MASTER}.{given[0]} is refused, {where}")
+    values[MASTER] |= stated
     configurations = {}
     for role in values:
         if not _is_played(role, values):

@@ -31,6 +31,12 @@ class MasterParameters:
     duration: float = setting(
         0.0, unit="s", low=0.0, high=LONGEST, about="the node ends at this time; 0: never", read_only=True
     )
+    manoeuvre_end: float = setting(
+        0.0, unit="s", low=0.0, high=LONGEST, about="the manoeuvre is over at this time; 0: not known", read_only=True
+    )
+    lesson: tuple[str, ...] = setting(
+        (), about="parameters, as NODE.NAME, that a live page has beside its plots", read_only=True
+    )
     command_timeout: float = setting(
         0.1, unit="s", low=0.001, high=60.0, about="realtime: age of a torque command at which no torque is left of it"
     )

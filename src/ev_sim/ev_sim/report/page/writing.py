@@ -19,7 +19,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_sim.figures.drawing import Figure
 from ev_sim.measures.metric import Runs
 from ev_sim.recording.recording import Recording, atomic_file
-from ev_sim.report.page.top_view import PREFIX, car_of, groups_of, view_channels
+from ev_sim.report.page.plot_groups import groups_of
+from ev_sim.views.car import PREFIX, car_of, view_channels
 
 GAP = 0  # the code of what is not finite; numbers have the codes from 1 on
 _LEVEL = 1  # of deflate: higher ones take twice the time for a tenth of the size

@@ -2,7 +2,7 @@
 // Time series, one plot for each quantity, drawn when it comes into sight.
 
 const STROKES = [["#0072B2", []], ["#D55E00", [8, 4]], ["#009E73", [2, 3]], ["#A0508A", [10, 4, 2, 4]]];
-const HEIGHT = 190;
+const HEIGHT = 206;
 const plots = new Map(); // holder -> Plot, of all that are on the page
 
 class Plot {
@@ -100,7 +100,7 @@ function optionsOf(plot, width) {
       x: { time: false, min: clock.range[0], max: clock.range[1] },
       y: { range: (chart) => roomy(plot.extent(chart.scales.x.min ?? clock.begin, chart.scales.x.max ?? clock.end)) },
     },
-    axes: [{ size: 32 }, { size: 66, space: 24, values: (chart, ticks) => ticks.map(digits) }],
+    axes: [{ size: 32, label: "time [s]", labelSize: 16, labelFont: "12px system-ui, sans-serif" }, { size: 66, space: 24, values: (chart, ticks) => ticks.map(digits) }],
     series: [
       { label: "time", value: (chart, value) => `${digits(value)} s` },
       ...plot.curves.map(({ label, stroke: [colour, dash] }) => ({

@@ -3,6 +3,7 @@
 
 const AGAIN = 1000; // ms between attempts to connect
 const STILL = 1.5; // s without another instant after which the page says so
+const LOST = "no connection: the run or the dashboard has ended; trying again";
 const WORDS = 3; // lines that are shown
 const byId = (id) => document.getElementById(id);
 let socket = null;
@@ -20,14 +21,16 @@ function say({ text, refused }) {
   while (byId("words").children.length > WORDS) byId("words").lastChild.remove();
 }
 
+const set = (node, name, value) => wish({ kind: "set", node, name, value });
+
+function showParameters() {
+  showNodes(set);
+  showLesson(set);
+}
+
 function showNode(message) {
-  const card = cardOf(message, (name, value) => wish({ kind: "set", node: message.node, name, value }));
-  const before = document.querySelector(`#nodes [data-node="${message.node}"]`);
-  if (before) {
-    card.open = before.open;
-    before.replaceWith(card);
-  } else byId("nodes").append(card);
-  if (byId("find").value) find(byId("find").value);
+  keepNode(message);
+  showParameters();
 }
 
 function showLayout(layout) {
@@ -37,9 +40,10 @@ function showLayout(layout) {
   widths.disconnect();
   for (const { chart } of plots.values()) chart?.destroy();
   plots.clear();
-  byId("groups").replaceChildren(...live.groups.map((group, n) => {
+  showBeside();
+  byId("groups").replaceChildren(...live.groups.map((group) => {
     const section = element("details", "", { "data-topic": group.title });
-    section.open = open.get(group.title) ?? n < 2;
+    section.open = open.get(group.title) ?? false;
     const grid = element("div", "", { class: "plots" });
     for (const plot of group.plots) grid.append(quantity(plot, { first: live.run, second: null }));
     section.append(element("summary", group.title), element("p", group.about, { class: "about" }), grid);
@@ -74,11 +78,18 @@ function draw() {
 function tellState() {
   if (socket.readyState !== WebSocket.OPEN) return;
   const still = (performance.now() - came) / 1000;
+  const over = overAt(live.times.at(-1));
   const waits = came ? `no new instant for ${still.toFixed(0)} s: paused, ended or held up` : "waiting for the first instant";
-  byId("state").textContent = came && still < STILL ? "running" : waits;
+  const until = times?.over ? `, ${digits(times.over)} s in all` : "";
+  byId("state").textContent = over || (came && still < STILL ? `running${until}` : waits);
 }
 
+/** Another graph, or the same one after a while without connection: nothing of before holds. */
 function showTitle({ text }) {
+  [times, came] = [null, 0];
+  nodes.clear();
+  showParameters();
+  showLayout({ channels: [], groups: [], car: null });
   document.title = text;
   byId("title").textContent = text;
 }
@@ -86,11 +97,13 @@ function showTitle({ text }) {
 const SHOWN = { title: showTitle, layout: showLayout, node: showNode, word: say, parameter: showValue, gone: showGone };
 
 function showValue({ node, name, value }) {
-  rows.get(`${node}.${name}`)?.(value);
+  nodes.get(node)?.set(name, { ...nodes.get(node).get(name), value });
+  for (const show of shows.get(`${node}.${name}`) ?? []) show(value);
 }
 
 function showGone({ node }) {
-  document.querySelector(`#nodes [data-node="${node}"]`)?.remove();
+  nodes.delete(node);
+  showParameters();
   say({ text: `${node} has left the graph`, refused: false });
 }
 
@@ -104,8 +117,9 @@ function connect() {
     SHOWN[message.kind](message);
   };
   socket.onclose = () => {
-    byId("state").textContent = "no connection: the run or the dashboard has ended; trying again";
-    byId("state").classList.add("lost");
+    const over = overAt(live.times.at(-1));
+    byId("state").textContent = over ? `${over} The dashboard has ended with it.` : LOST;
+    byId("state").classList.toggle("lost", !over);
     setTimeout(connect, AGAIN);
   };
 }

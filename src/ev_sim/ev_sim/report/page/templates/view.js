@@ -31,8 +31,11 @@ class CarView {
     tools.append(this.wide, " ", this.where);
     this.columns = COLUMNS.filter(([, channel]) => run.channels[`${channel}.front_left`]);
     this.cells = [];
+    const wheels = element("details");
+    wheels.open = !clock.follows;
+    wheels.append(element("summary", "Wheels"), this.table());
     const beside = element("div");
-    beside.append(tools, this.table());
+    beside.append(tools, wheels);
     box.append(this.title, this.canvas, beside);
     holder.append(box);
   }

@@ -1,17 +1,20 @@
-"""scripts/inspect.sh shows a graph without the ros2 command, and says so when there is none."""
+"""A running graph from a shell without the ros2 command: what there is, messages, parameters, time."""
 
 import os
 import re
 import signal
 import subprocess
 from collections.abc import Iterator
+from importlib.metadata import version
 
 import pytest
+import yaml
 from ros_graph import NAMESPACE, NODES
 from run_script import ENVIRONMENT, ROOT, Running
 
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
+from ev_sim.commands.ev_stack import perform
 from ev_sim.running.domain import free_domain
 
 pytestmark = pytest.mark.slow
@@ -56,7 +59,71 @@ def test_topics_that_this_car_does_not_have_are_not_shown(domain):
 def test_it_echoes_a_message(domain):
     shown = inspect(domain, "--echo", "/ev/driver/command")
     assert shown.returncode == 0
-    assert "drive" in shown.stdout and "steering_wheel" in shown.stdout
+    message = yaml.safe_load(shown.stdout)
+    assert message["name"] == ["drive", "brake", "steering_wheel"] and len(message["effort"]) == 3
+    assert message["header"]["frame_id"] == "base_link"
+
+
+class Shell:
+    """`ev-stack` in this process, for the graph of a domain."""
+
+    def __init__(self, capsys):
+        self._capsys = capsys
+
+    def __call__(self, *words: str) -> str:
+        self._capsys.readouterr()
+        perform(words)
+        return self._capsys.readouterr().out
+
+    def refused(self, *words: str) -> str:
+        with pytest.raises(SystemExit) as ended:
+            perform(words)
+        assert "\n" not in ended.value.code
+        return ended.value.code
+
+
+@pytest.fixture
+def shell(domain, monkeypatch, capsys) -> Shell:
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    return Shell(capsys)
+
+
+def test_time_is_stopped_and_stepped_from_a_shell(shell):
+    """A step of the graph is 10 ms; standing still, the plant repeats nothing and nobody else goes on."""
+    assert re.fullmatch(r"paused at \S+ s\n", shell("pause"))
+    before, _ = (float(re.search(r"at (\S+) s", shell(word))[1]) for word in ("pause", "pause"))
+    assert "one more step granted" in shell("step", "3")
+    assert float(re.search(r"at (\S+) s", shell("pause"))[1]) == pytest.approx(before + 0.03)
+    assert shell("reset") == "time is zero again, at 0.0 s\n"
+    assert shell("resume") == "running at 0.0 s\n"
+    message = yaml.safe_load(shell("topic", "echo", "wheel_states", "--once"))
+    assert message["name"][0] == "front_left" and len(message["position"]) == 4
+
+
+def test_parameters_are_shown_set_and_dumped_as_yaml(shell):
+    assert yaml.safe_load(shell("param", "get", "plant", "vehicle.driven_wheels")) == ["front_left", "front_right"]
+    assert shell("param", "set", "plant", "real_time_factor", "0.5") == "plant.real_time_factor: 1.0 -> 0.5\n"
+    assert shell("param", "get", "plant", "real_time_factor") == "0.5\n"
+    file = yaml.safe_load(shell("param", "dump"))
+    assert set(file) == {f"{NAMESPACE}/{name}" for name in NODES}
+    assert file["/ev/plant"]["ros__parameters"]["real_time_factor"] == 0.5
+    assert file["/ev/driver"]["ros__parameters"] == yaml.safe_load(shell("param", "get", "driver"))
+
+
+def test_what_cannot_be_done_is_one_line(shell):
+    assert "real_time_factor: 'fast' is refused, allowed is double" in shell.refused(
+        "param", "set", "plant", "real_time_factor", "fast"
+    )
+    assert "plant refuses: " in shell.refused("param", "set", "plant", "real_time_factor", "-1")
+    assert "plant has no parameter 'nothing'" in shell.refused("param", "get", "plant", "nothing")
+    assert "no node '/ev/nobody'; there are /ev/asr, " in shell.refused("param", "get", "nobody")
+    assert "no master of time (plant) in /other: there is none" in shell.refused("pause", "--namespace", "/other")
+    assert "no topic '/ev/nothing'; known: " in shell.refused("topic", "echo", "nothing")
+
+
+def test_the_version_is_that_of_the_packages(capsys):
+    perform(["--version"])
+    assert capsys.readouterr().out == f"ev-stack {version('ev_sim')}\n"
 
 
 def test_an_unknown_topic_lists_the_known_ones(domain):

@@ -1,0 +1,241 @@
+"""What a shell does with the running graph, without the ros2 command: time, parameters, messages."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from functools import partial
+from typing import Any
+
+import yaml
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.serialization import deserialize_message
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+from ev_core.nodes import ros_parameters
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.refusal import LINE, quoted
+from ev_msgs_py.wire import message_class
+from ev_sim.command_line.refusal import Parser, refuse
+from ev_sim.commands.present_graph import full_names, in_the_graph, master_namespace
+from ev_sim.dashboard.controls import wished
+from ev_sim.recording.outcome import RunFailed
+
+_NAME = "ev_stack_shell"
+_PATIENCE = 5.0  # s for a node to answer
+
+
+class _Shell:
+    """Asks the nodes of a graph; LookupError, in one line, for what is not there or does not answer."""
+
+    def __init__(self, node: Node, namespace: str | None) -> None:
+        self.node, self.namespace = node, master_namespace(node, namespace)
+        self._executor = SingleThreadedExecutor(context=node.context)
+        self._executor.add_node(node)
+
+    def close(self) -> None:
+        """Ask nobody any more."""
+        self._executor.shutdown()
+
+    def answer(self, who: str, future: Future) -> Any:
+        """What a node answers."""
+        self._executor.spin_until_future_complete(future, _PATIENCE)
+        if not future.done():
+            raise LookupError(f"{who} does not answer")
+        return future.result()
+
+    def call(self, service: str) -> str:
+        """Call a service of the master of time; what it says."""
+        name = f"{self.full_name(MASTER)}/{service}"
+        client = self.node.create_client(Trigger, name)
+        if not client.wait_for_service(_PATIENCE):
+            raise LookupError(f"{name} is not there")
+        text: str = self.answer(MASTER, client.call_async(Trigger.Request())).message
+        return text
+
+    def full_name(self, name: str) -> str:
+        """Of a node or topic; a relative name is in the namespace of the graph."""
+        return name if name.startswith("/") else f"{self.namespace.rstrip('/')}/{name}"
+
+    def parameters_of(self, name: str) -> tuple[AsyncParameterClient, dict[str, Parameter]]:
+        """How to ask a node, and its parameters by name."""
+        name = self.full_name(name)
+        if name not in (there := full_names(self.node)):
+            raise LookupError(f"no node {quoted(name)}; there are {', '.join(there)}")
+        client = AsyncParameterClient(self.node, name)
+        if not client.wait_for_services(_PATIENCE):
+            raise LookupError(f"{name} has no parameters that can be asked for")
+        listed = self.answer(name, client.list_parameters()).result.names
+        names = sorted(each for each in listed if not ros_parameters.is_ros_own(each))
+        values = self.answer(name, client.get_parameters(names)).values if names else []
+        return client, {
+            each: Parameter(each, Parameter.Type(value.type), _plain(parameter_value_to_python(value)))
+            for each, value in zip(names, values, strict=True)
+        }
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if value is not None and not isinstance(value, (str, bool, int, float)) else value
+
+
+@contextmanager
+def _shell(namespace: str | None) -> Iterator[_Shell]:
+    try:
+        with in_the_graph(_NAME) as node:
+            shell = _Shell(node, namespace)
+            try:
+                yield shell
+            finally:
+                shell.close()
+    except (LookupError, RunFailed, ValueError) as error:
+        refuse(error.args[0])
+
+
+def _parser(name: str, about: str) -> Parser:
+    parser = Parser(
+        prog=f"ev-stack {name}",
+        description=f"{about} Of the run under way, of several ROS_DOMAIN_ID=N says which; nodes started by hand "
+        "are in domain 0 unless that is set.",
+    )
+    parser.add_argument("--namespace", metavar="/NAME", help="of the graph, where a domain has several")
+    return parser
+
+
+def _control_time(service: str, argv: Sequence[str]) -> None:
+    parser = _parser(service, _ABOUT_TIME[service])
+    if service == "step":
+        parser.add_argument("count", nargs="?", type=_positive, default=1, help="of steps, default 1")
+    given = parser.parse_args(argv)
+    with _shell(given.namespace) as shell:
+        for _ in range(getattr(given, "count", 1)):
+            said = shell.call(service)
+        print(said)
+
+
+def _positive(text: str) -> int:
+    count = int(text)
+    if count < 1:
+        raise ValueError
+    return count
+
+
+_ABOUT_TIME = {
+    "pause": "Let simulated time stand still.",
+    "resume": "Let simulated time go on.",
+    "step": "Let one step pass, or several, and stand still then.",
+    "reset": "Begin anew at time zero, with the parameters as they are.",
+}
+pause, resume, step, reset = (partial(_control_time, service) for service in _ABOUT_TIME)
+
+
+def param(argv: Sequence[str]) -> None:
+    """ev-stack param get NODE [NAME] | set NODE NAME VALUE | dump [NODE]"""
+    parser = _parser("param", "Show and set parameters of nodes, as YAML.")
+    what = parser.add_subparsers(dest="what", required=True, metavar="get|set|dump", parser_class=Parser)
+    get, put, dump = (what.add_parser(name) for name in ("get", "set", "dump"))
+    for each in (get, put):
+        each.add_argument("node", help="such as plant, or a full name")
+    get.add_argument("name", nargs="?", help="of the parameter; default: all")
+    put.add_argument("name")
+    put.add_argument("value", help="as in YAML")
+    dump.add_argument("node", nargs="*", help="default: all nodes of the graph")
+    given = parser.parse_args(argv)
+    with _shell(given.namespace) as shell:
+        print({"get": _get, "set": _set, "dump": _dump}[given.what](shell, given), end="")
+
+
+def _get(shell: _Shell, given: Any) -> str:
+    _, there = shell.parameters_of(given.node)
+    if given.name is None:
+        return as_yaml({name: each.value for name, each in there.items()})
+    return as_yaml(_known(given, there).value).removesuffix("...\n")
+
+
+def _known(given: Any, there: dict[str, Parameter]) -> Parameter:
+    if given.name not in there:
+        raise LookupError(
+            f"{given.node} has no parameter {quoted(given.name)}; ev-stack param get {given.node} lists all"
+        )
+    return there[given.name]
+
+
+def _set(shell: _Shell, given: Any) -> str:
+    client, there = shell.parameters_of(given.node)
+    before = _known(given, there)
+    try:
+        parameter = wished(given.name, before.type_, given.value)
+    except ValueError as error:
+        raise ValueError(f"{given.node}.{given.name}: {error}") from None
+    result = shell.answer(given.node, client.set_parameters_atomically([parameter])).result
+    if not result.successful:
+        raise ValueError(f"{given.node} refuses: {result.reason}")
+    return f"{given.node}.{given.name}: {before.value} -> {_plain(parameter.value)}\n"
+
+
+def _dump(shell: _Shell, given: Any) -> str:
+    inside = shell.full_name("")
+    nodes = given.node or [each for each in full_names(shell.node) if each.rpartition("/")[0] + "/" == inside]
+    found = {shell.full_name(node): shell.parameters_of(node)[1] for node in nodes}
+    values = {node: {name: each.value for name, each in there.items()} for node, there in found.items()}
+    return as_yaml({node: {"ros__parameters": each} for node, each in values.items()})
+
+
+def topic(argv: Sequence[str]) -> None:
+    """ev-stack topic echo TOPIC [--once]"""
+    parser = _parser("topic", "Print the messages of a topic as YAML, with a line of dashes behind each.")
+    parser.add_argument("what", choices=["echo"])
+    parser.add_argument("topic", help="such as wheel_states, or a full name such as /diagnostics")
+    parser.add_argument("--once", action="store_true", help="one message and end")
+    given = parser.parse_args(argv)
+    with suppress(KeyboardInterrupt), _shell(given.namespace) as shell:
+        for text in messages(shell.node, shell.full_name(given.topic)):
+            print(text, end="", flush=True)
+            if given.once:
+                return
+            print("---")
+
+
+_ROS_OWN = ("/parameter_events", "/rosout")
+
+
+def topics_of(node: Node) -> dict[str, str]:
+    """The topics of the graph with their types."""
+    return {name: types[0] for name, types in sorted(node.get_topic_names_and_types()) if name not in _ROS_OWN}
+
+
+def messages(node: Node, name: str) -> Iterator[str]:
+    """The messages of a topic as they come, as YAML; LookupError if there is no such topic, or no package for it."""
+    there = topics_of(node)
+    if name not in there:
+        raise LookupError(f"no topic {quoted(name)}; known: {', '.join(there) or 'none'}")
+    try:
+        kind = message_class(there[name])
+    except ImportError:
+        raise LookupError(f"{name} cannot be read: {there[name].partition('/')[0]} is not installed") from None
+    subscription = node.create_subscription(kind, name, lambda message: None, 10, raw=True)
+    while True:
+        if (taken := subscription.handle.take_message(kind, True)) is None:
+            time.sleep(0.01)
+        else:
+            yield as_yaml(plain_message(deserialize_message(taken[0], kind)))
+
+
+def plain_message(message: Any) -> Any:
+    """A message as dictionaries, lists and numbers, its fields in their order."""
+    if hasattr(message, "get_fields_and_field_types"):
+        return {name: plain_message(getattr(message, name)) for name in message.get_fields_and_field_types()}
+    if isinstance(message, bytes):
+        return list(message)
+    if isinstance(message, (str, bool, int, float)):
+        return message
+    return message.tolist() if hasattr(message, "tolist") else [plain_message(each) for each in message]
+
+
+def as_yaml(content: Any) -> str:
+    """As YAML, lists of numbers on one line."""
+    return yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=LINE)
