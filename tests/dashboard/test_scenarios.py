@@ -114,7 +114,9 @@ def test_a_run_may_last_longer_than_the_manoeuvre(fed, browser):
     shown(fed, browser, run)
     fed.end()
     browser.wait_for(f"live.times.at(-1) > {SECONDS} - 1e-9")
-    assert browser.run(STATE) == "The manoeuvre is over since 0.05 s; the car drives on up to 0.1 s, Reset begins again."
+    assert (
+        browser.run(STATE) == "The manoeuvre is over since 0.05 s; the car drives on up to 0.1 s, Reset begins again."
+    )
 
 
 def test_a_slider_goes_on_about_the_value_at_its_end(fed, browser):

@@ -21,6 +21,13 @@ def test_results_of_the_page_are_those_of_the_runs(page: str):
     compare(written(page, "results"), results_of(SCENARIO_PAGES[page], driven(SCENARIO_PAGES[page].scenario)))
 
 
+@pytest.mark.parametrize("page", ["docs/ge_ni2005.md", "docs/tatar_chudzik.md"])
+def test_no_row_of_the_page_is_empty(page: str):
+    """A judged number whose case has no column would be a row without numbers."""
+    named = re.findall(r"^\| `[\w.*,]+` \|(.*)\|$", written(page, "results"), re.MULTILINE)
+    assert named and all(NUMBER.search(cells) for cells in named)
+
+
 def test_control_periods_of_the_page_are_those_of_the_study():
     name = "ge_ni2005_periods"
     study = study_named(name)

@@ -37,6 +37,13 @@ def test_versions_agree():
     assert not any(ev_sim.__version__ in (ROOT / "src" / package / "setup.py").read_text() for package in PACKAGES)
 
 
+def test_entries_of_the_changelog_are_short():
+    """Three lines say what a user notices; the rest is in the pages that they link."""
+    entries = re.findall(r"^- .*(?:\n  .*)*", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert len(entries) > 20
+    assert [entry for entry in entries if entry.count("\n") > 2] == []
+
+
 def test_a_release_moves_all_versions_and_gives_its_notes(tmp_path, capsys):
     for name in (*release.FILES, release.CHANGELOG):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import ev_sim
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
+from ev_sim.interface.driving import only_run, overrides
 from ev_sim.recording.recording import signal_hash
 
 NOISE = {"plant.sensors.imu_yaw_rate.noise": 0.01}
@@ -216,6 +217,15 @@ def test_other_inputs_are_refused_and_nothing_is_done(inputs, said):
         car.step({"torque_request.brake.rear_left": 1.0, **inputs})
     assert str(error.value).startswith(said)
     assert car.frame == before
+
+
+@pytest.mark.parametrize("changed", [{"seed": 2}, {"run": "object"}])
+def test_a_configured_run_is_driven_as_it_is(changed):
+    """What differs has been said when it was configured; it was left out without a word."""
+    run = only_run("shchur2019_steps", "object", overrides(duration=0.1))
+    assert ev_sim.Simulation(run).duration == 0.1
+    with pytest.raises(ParameterError, match=r"^run object is configured already, allowed is a name or path with"):
+        ev_sim.Simulation(run, **changed)
 
 
 def test_an_unknown_role_is_refused():

@@ -85,10 +85,13 @@ SCENARIO_PAGES = {
         "tatar_chudzik",
         (tuple(f"{layout}_{control}" for layout in ("front", "rear", "all") for control in ("equal", "corrected")),),
         ("forces_y", "fig3_to_fig11", "fig12_to_fig14"),
-        cases=tuple(
-            (f".{check.name.replace(' ', '_')}", check.name)
-            for check in published("tatar_chudzik")["tatar.fig12.FL"].checks  # as all: at some speeds
-            if check.is_judged
+        cases=(
+            *(
+                (f".{check.name.replace(' ', '_')}", check.name)
+                for check in published("tatar_chudzik")["tatar.fig12.FL"].checks  # as all signs: at some speeds
+                if check.is_judged
+            ),
+            ("", "at 8.5 m/s alone"),
         ),
     ),
     "docs/zhileykin2018.md": Page(

@@ -20,6 +20,7 @@ NAMES = (PAGE, *(f"{PAGE}#{source}" for source in sources()))  # that document.s
 _ROW = re.compile(r"^\| `(?P<id>[\w.]+)` \|(?P<cells>.*)\|$", re.MULTILINE)
 _VERDICT = -2  # place of its cell
 _HOLD = (REPRODUCED, WITH_ASSUMPTION, IN_PART)
+_WITH_NUMBERS = ("printed", "follows", "axes")  # the kinds of which the source has numbers
 
 
 def write_verdicts(root: Path, wanted: Sequence[str]) -> None:
@@ -59,7 +60,10 @@ def _sorts(page: str) -> dict[str, str]:
 
 
 def _table_of_kinds(sorts: Mapping[str, str]) -> str:
-    """What is reproduced by kind, and how many different numbers that are: one may stand in several tables."""
+    """What is reproduced by kind, and how many different numbers of the source: one may stand in several tables.
+
+    Words have none: what they are held against is a threshold of ours.
+    """
     cells = []
     for kind in KINDS:
         of_kind = [(source, each) for source in sources() for each in published(source).values() if each.kind == kind]
@@ -71,5 +75,5 @@ def _table_of_kinds(sorts: Mapping[str, str]) -> str:
             for check in each.checks
             if check.value is not None
         }
-        cells.append((kind, str(len(of_kind)), *map(str, counts), str(len(numbers))))
+        cells.append((kind, str(len(of_kind)), *map(str, counts), str(len(numbers)) if kind in _WITH_NUMBERS else "–"))
     return table(("kind", "ids", *_HOLD, "different numbers of these"), cells)

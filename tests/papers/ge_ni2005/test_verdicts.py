@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import pytest
-from judging import verdict_on
+from judging import verdict_from, verdict_on
 
 from ev_papers.ge_ni2005 import paper
+from ev_sim.verdicts.need import Need, ScenarioNeed
 from ev_sim.verdicts.sources import published
 
 # A finding each: `increment` spins with u free, and with a heavier car; slip costs more with the law than without.
@@ -58,6 +61,16 @@ def test_the_layer_removes_the_chatter_of_one_reading_alone():
     assert verdict_on("ge.claim.chatter", ("electronic_differential", "boundary_layer", False)).judgement == (
         "not reproduced"
     )
+
+
+def test_at_the_speed_of_the_source_the_model_of_ackermann_does_not_hold():
+    """At 1 m/s wheel speeds turn the car as equal torques do, at 5 m/s by 30 % more."""
+
+    def at_5_m_per_s(need: Need) -> Need:
+        changed = ("plant", "initial_speed", 5.0)
+        return dataclasses.replace(need, values=(*need.values, changed)) if isinstance(need, ScenarioNeed) else need
+
+    assert verdict_from("ge.claim.low_speed", at_5_m_per_s).judgement == "not reproduced"
 
 
 def test_full_car_in_place_of_the_sources_own_is_noticed():

@@ -34,6 +34,16 @@ MANOEUVRES = {
         },
         lambda t: (command(drive=(300.0, 300.0, 0.0, 0.0)), steered(0.05)),
     ),
+    "speed imposed at the wheels": (
+        {
+            "initial_speed": 4.0,
+            "speed": "imposed",
+            "imposed_at": "wheels",
+            "imposed_speed__time": (0.0, 2.0, 4.0),
+            "imposed_speed__speed": (4.0, 8.0, 2.0),
+        },
+        lambda t: (command(drive=(100.0, 100.0, 0.0, 0.0)), steered(0.05)),
+    ),
 }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from plant.planar.car import CAR, STRAIGHT, command, outputs, plant
+from plant.planar.car import CAR, STRAIGHT, command, outputs, plant, steered
 from plant.planar.manoeuvres import MANOEUVRES
 
 from ev_msgs_py.contract.signals import InertialMeasurement, TireForces
@@ -41,3 +41,50 @@ def test_imposed_speed_follows_its_profile():
             imu = outputs(car)[InertialMeasurement]
             turning = car.state[YAW_RATE] * car.state[VY]
             assert imu.longitudinal_acceleration == pytest.approx(2.0 - turning, abs=1e-6)
+
+
+def test_speed_imposed_at_the_wheels_is_carried_by_the_tyres():
+    """Braking at 5 m/s^2 on a straight: the tyres give m a less drag, by the shares of the axles.
+
+    Less what the spin of the wheels takes (J/r^2 of 4 wheels over m: 3.3 %); that and rolling resistance remain for the
+    body.
+    """
+    braking = {"initial_speed": 30.0, "speed": "imposed", "imposed_speed__time": (0.0, 2.0)}
+    car = plant(**braking, imposed_speed__speed=(30.0, 20.0), imposed_at="wheels", imposed_front_braking=0.7)
+    for _ in range(100):
+        car.advance(command(), STRAIGHT)
+    before = car.state[index("holding_work")]
+    car.advance(command(), STRAIGHT)
+    force = outputs(car)[TireForces].longitudinal_force
+    drag = 0.5 * CAR.air_density * CAR.drag_coefficient * CAR.frontal_area * car.state[VX] ** 2
+    wanted = -CAR.mass * 5.0 + drag
+    assert sum(force) == pytest.approx(wanted, rel=0.05)
+    assert force.front_left + force.front_right == pytest.approx(0.7 * wanted, rel=0.05)
+    assert car.state[VX] == pytest.approx(24.95, abs=1e-12)
+    assert abs(car.state[index("holding_work")] - before) / 0.01 < 0.05 * abs(wanted) * 25.0
+
+
+def test_a_held_start_continues_a_steady_bend():
+    """Begun with lateral velocity and yaw rate of a steady bend, held for ten lags of the loads, the car stays in it.
+
+    Without the hold carcasses and loads begin at rest, and the car has to catch up: it loses 0.7 % of the yaw rate.
+    """
+    given = {"initial_speed": 15.0, "speed": "imposed", "imposed_speed__speed": (15.0,)}
+    bend = steered(0.06)
+    steady = plant(**given)
+    for _ in range(600):
+        steady.advance(command(), bend)
+    there = {"initial_lateral_velocity": steady.state[VY], "initial_yaw_rate": steady.state[YAW_RATE]}
+    largest = {}
+    for hold in (0.0, 0.2):
+        car = plant(**given, **there, initial_hold=hold)
+        for _ in range(round(hold / 0.01)):
+            car.advance(command(), bend)
+            assert car.state[YAW_RATE] == there["initial_yaw_rate"]
+        errors = []
+        for _ in range(100):
+            car.advance(command(), bend)
+            errors.append(abs(car.state[YAW_RATE] / there["initial_yaw_rate"] - 1.0))
+        largest[hold] = max(errors)
+    assert largest[0.2] < 1e-3  # what is left of a lag after ten of them is far below
+    assert largest[0.0] > 0.005

@@ -64,6 +64,12 @@ def right_minus_left(driven: StudyCases, quantity: str, method: float) -> float:
     return right - left
 
 
+def farthest_right_from_left(driven: StudyCases, quantity: str, method: float) -> float:
+    """The largest difference of a quantity right and left on one road, rounded to a thousandth."""
+    right, left = (_seeds(driven, f"{quantity}_{side}", method, _IMPOSED_SPEED) for side in ("right", "left"))
+    return round(max(abs(a - b) for a, b in zip(right, left, strict=True)), 3)
+
+
 def product_of_tables(method: float) -> float:
     """Wheel times drive efficiency of table 5.6 [%]."""
     return 100.0 * five_methods.BENCH_WHEEL_EFFICIENCY[int(method)] * five_methods.DRIVE_EFFICIENCY[int(method)]

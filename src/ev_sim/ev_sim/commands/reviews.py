@@ -50,7 +50,9 @@ def _parser(name: str, about: str) -> Parser:
 def run_verdicts(argv: Sequence[str]) -> None:
     """Drive, judge, print and write."""
     parser = _parser("verdicts", "drive what the verdicts on all published numbers need, and print and write them.")
-    parser.add_argument("--only", nargs="+", default=[], metavar="SOURCE", help="sources, ids or beginnings of ids")
+    parser.add_argument(
+        "--only", nargs="+", action="extend", default=[], metavar="SOURCE", help="sources, ids or beginnings of ids"
+    )
     parser.add_argument("--quick", action="store_true", help="leave out what takes more than a few seconds to drive")
     given = parser.parse_args(argv)
     start = time.monotonic()
@@ -87,7 +89,7 @@ def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> l
 def run_figures(argv: Sequence[str]) -> None:
     """Drive, draw and write."""
     parser = _parser("figures", "draw every panel of the sources in its quantity and axes, on one page.")
-    parser.add_argument("--only", nargs="+", default=[], metavar="SOURCE", help="sources")
+    parser.add_argument("--only", nargs="+", action="extend", default=[], metavar="SOURCE", help="sources")
     given = parser.parse_args(argv)
     for source in given.only:
         if source not in sources():

@@ -6,6 +6,7 @@ import io
 import os
 import sys
 import traceback
+from importlib import import_module
 
 from ev_core.methods.register import all_methods, not_loaded
 from ev_msgs_py.contract.fields import SignalError
@@ -17,12 +18,14 @@ from ev_sim.scenarios.about import describe_scenario
 from ev_sim.scenarios.scenario import scenario_names
 from ev_sim.study.study import study_named, study_names
 
-REVIEWS = {  # commands of their own, run_NAME of `reviews`
+REVIEWS = {  # commands of their own, run_NAME of `reviews`, those of MEASURED of `measured`
     "verdicts": "a verdict on every number, curve and claim of all sources, in one table",
     "report": "one page about the folders of several runs of scenarios, side by side with their differences",
     "replay": "recorded inputs into a law or a node, and where its answers differ from the recorded ones",
     "figures": "every panel of the sources' figures, drawn from our runs, on one page",
+    "validate": "a car against a record of a real one: inputs imposed as measured, the rest compared",
 }
+MEASURED = ("validate",)
 _NOT_READ = 141  # the status of a command whose output nobody reads any more
 _NOT_LOADED = "failed to map segment"  # in the words of the loader: there is no memory for a library
 
@@ -40,9 +43,8 @@ def main(argv: list[str] | None = None) -> None:
             run_study(words[0], words[1:])
             return
         if words and words[0] in REVIEWS:
-            from ev_sim.commands import reviews
-
-            getattr(reviews, f"run_{words[0]}")(words[1:])
+            module = "measured" if words[0] in MEASURED else "reviews"
+            getattr(import_module(f"ev_sim.commands.{module}"), f"run_{words[0]}")(words[1:])
             return
         given = arguments(words)
         if given.list:

@@ -173,6 +173,7 @@ class LiveFrames:
         """The newest instant alone."""
         return recording_of(self._numbers, [TOPICS[signal] for signal in self._heard])
 
+
 def layout_message(columns: Sequence[str], vehicle: Vehicle | None) -> dict[str, Any]:
     """The message with the channels of a row after its time, how they are plotted together, and the car."""
     plotted = [name for name in columns if not name.startswith(PREFIX)]

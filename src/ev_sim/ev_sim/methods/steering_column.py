@@ -1,3 +1,3 @@
 """Registers the steering columns."""
 
-from ev_sim.steering import actuated, column, steering_robot  # noqa: F401
+from ev_sim.steering import actuated, column, imposed, steering_robot  # noqa: F401

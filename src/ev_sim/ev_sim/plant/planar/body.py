@@ -11,11 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from ev_core.compiled.loop import compiled, one_record
-from ev_core.law import NO_WHEELS, Car, Vehicle, Wheels, cos, inlined, sin, sqrt, tan
+from ev_core.law import NO_WHEELS, Car, Vehicle, Wheels, copysign, cos, inlined, sin, sqrt, tan
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.car import car_numbers, front_wheel_tangents
 from ev_sim.plant.planar import planar_state as state
-from ev_sim.plant.planar.contact import find_road, look, within_friction
+from ev_sim.plant.planar.contact import find_road, look, speed_resistance, within_friction
 from ev_sim.plant.planar.given import SPEED_FREE, BodyConstants, PlanarParameters, body_constants
 from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE, WHEEL_SPEED, Row, Step
 from ev_sim.plant.planar.prepare import road_tables
@@ -88,12 +88,6 @@ def wheel_loads(car: Car, normal: float, pitch_moment: float, roll_moment: float
 @inlined
 def _within(value: float, limit: float) -> float:
     return min(max(value, -limit), limit)
-
-
-@inlined
-def speed_resistance(car: Car, body: BodyConstants, vx: float) -> float:
-    """What resists the body at a longitudinal velocity [m/s] beyond its wheels [N]: drag, or B V + C V^2."""
-    return body.drag * abs(vx) * vx + car.road_load.linear * vx
 
 
 @inlined
@@ -191,6 +185,40 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
     dy[state.FRICTION_WORK] = friction_power
     dy[state.GRAVITY_WORK] = -car.mass * (step.gravity_x * vx + step.gravity_y * vy)
     dy[state.HOLDING_WORK] = -car.mass * holding * vx
+
+
+@inlined
+def push_at_wheels(p: PlanarParameters, car: Car, body: BodyConstants, y: Row, step: Step) -> None:
+    """Add to the torques at the wheels what the imposed speed asks of mass and drag [N], as driver and brakes would.
+
+    Driven wheels share it alike while it drives, the axles by their shares while it brakes. No wheel gets more than the
+    side force that its carcass holds leaves of its friction: it neither spins nor locks.
+    """
+    vx = y[state.VX]
+    force = car.mass * (step.imposed_acceleration - y[state.YAW_RATE] * y[state.VY] - step.gravity_x)
+    force += speed_resistance(car, body, vx)
+    step.load[0], step.load[1], step.load[2], step.load[3] = loads(y, car, step.gravity_z)
+    look(y, car, body, step, True)
+    at = step.contact
+    for i in range(4):
+        side = car.tyre.lateral_stiffness * y[state.DEFLECTION_Y + i] / max(at.largest_y[i], 1.0)
+        left = at.largest_x[i] * sqrt(max(1.0 - side * side, 0.0))
+        step.pushed[i] = 0.0
+        if force * vx >= 0.0:
+            wanted = abs(force) * car.driven[i] / max(car.number_driven, 1.0)
+            step.pushed[i] = copysign(step.radius[i] * min(wanted, left), force)
+            step.drive[i] += step.pushed[i]
+        else:
+            share = p.imposed_front_braking if i < 2 else 1.0 - p.imposed_front_braking
+            step.brake[i] += step.radius[i] * min(0.5 * share * abs(force), left)
+
+
+@inlined
+def book_push(y: Row, step: Step) -> None:
+    """Take what `push_at_wheels` added out of the drive torques of a step, whose work is that of the motors."""
+    for i in range(4):
+        y[state.HOLDING_WORK] -= step.pushed[i] * step.turned[i]
+        step.drive[i] -= step.pushed[i]
 
 
 @inlined

@@ -23,6 +23,8 @@ from ev_sim.tyres.mf_tyre import is_plain
 TORQUE_CONTROLLED = len(DRIVE_MODELS)
 SPEED_CHOICES = ("free", "held", "imposed")
 SPEED_FREE, SPEED_HELD, SPEED_IMPOSED = range(len(SPEED_CHOICES))
+IMPOSED_AT = ("body", "wheels")
+AT_BODY, AT_WHEELS = range(len(IMPOSED_AT))
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +67,13 @@ class PlanarParameters(DriveParameters):
         0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start", lateral=True
     )
     initial_heading: float = setting(0.0, unit="rad", low=-10.0, high=10.0, about="at the start", lateral=True)
+    initial_lateral_velocity: float = setting(
+        0.0, unit="m/s", low=-60.0, high=60.0, about="at the start, to the left", lateral=True
+    )
+    initial_yaw_rate: float = setting(0.0, unit="rad/s", low=-10.0, high=10.0, about="at the start", lateral=True)
+    initial_hold: float = setting(
+        0.0, unit="s", low=0.0, high=10.0, about="so long both of these stay, and wheels, carcasses and loads settle"
+    )
     initial_drive_torque: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0, 0.0),
         unit="N m",
@@ -83,6 +92,15 @@ class PlanarParameters(DriveParameters):
         source="Ge & Ni 2005: u is held; dissertation, chapter 3: the cycle imposes the speed (one of three readings)",
     )
     imposed_speed: SpeedProfileParameters = group(SpeedProfileParameters, time=(0.0,), speed=(0.0,))
+    imposed_at: str = setting(
+        "body",
+        choices=IMPOSED_AT,
+        about="where the force of `imposed` acts; wheels: what mass and drag ask for at the driven wheels, or all that "
+        "brake, as far as side forces leave friction, beside motors and brakes; only the rest acts on the body",
+    )
+    imposed_front_braking: float = setting(
+        0.6, unit="1", low=0.0, high=1.0, about="share of the front axle in the force that brakes at the wheels"
+    )
     road: RoadParameters = group(RoadParameters)
     faults: tuple[str, ...] = faults_parameter()
     puncture: PunctureParameters = group(PunctureParameters)

@@ -15,9 +15,17 @@ from ev_sim.drives.synchronous_motor import SpeedModeParameters, speed_control_w
 from ev_sim.plant.guard import accepted, guarded_steering, guarded_torques
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar import shown
-from ev_sim.plant.planar.body import integrate, steer
+from ev_sim.plant.planar.body import book_push, integrate, push_at_wheels, steer
 from ev_sim.plant.planar.contact import find_road
-from ev_sim.plant.planar.given import SPEED_IMPOSED, PlanarParameters, deflate, delay_commands, find_faults, load_files
+from ev_sim.plant.planar.given import (
+    AT_WHEELS,
+    SPEED_IMPOSED,
+    PlanarParameters,
+    deflate,
+    delay_commands,
+    find_faults,
+    load_files,
+)
 from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
 from ev_sim.profiles.profile import value_at
@@ -95,13 +103,19 @@ def advance(
         time = (n + 0.5) * h
         steer(car, step, angle + rate * time, s.rear_angle + s.rear_rate * time)
         apply(p, car, c, s, step)
+        if p.speed == SPEED_IMPOSED and p.imposed_at == AT_WHEELS:
+            push_at_wheels(p, car, c.body, y, step)
         vx, vy, heading = y[state.VX], y[state.VY], y[state.HEADING]
         for i in range(4):
             step.turned[i] = -y[state.WHEEL_ANGLE + i]
         integrate(y, p, car, c.body, step, h)
+        if s.periods * period <= p.initial_hold + 0.5 * period:
+            y[state.VY], y[state.YAW_RATE] = p.initial_lateral_velocity, p.initial_yaw_rate
         for i in range(4):
             step.turned[i] += y[state.WHEEL_ANGLE + i]
             s.mean_drive[i] += step.drive[i] / c.steps
+        if p.speed == SPEED_IMPOSED and p.imposed_at == AT_WHEELS:
+            book_push(y, step)
         # The position feeds nothing back, so the trapezoidal rule over the step is enough.
         mean_x, mean_y = 0.5 * (vx + y[state.VX]), 0.5 * (vy + y[state.VY])
         middle = 0.5 * (heading + y[state.HEADING])

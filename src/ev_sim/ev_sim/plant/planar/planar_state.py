@@ -170,6 +170,7 @@ class Step:
     radius: list[float] = per_wheel(unit="m", about="true rolling radius")
     drive: list[float] = per_wheel(unit="N m", about="at the wheels, behind motors and driveline")
     brake: list[float] = per_wheel(unit="N m", about="at the wheels")
+    pushed: list[float] = per_wheel(unit="N m", about="of `drive` what imposes the speed, beside the motors")
     cos_steer: list[float] = per_wheel(unit="1", about="cosine of the angle of the wheel")
     sin_steer: list[float] = per_wheel(unit="1", about="sine of the angle of the wheel")
     gravity_x: float = entry(unit="m/s^2", about="gravity in the frame of the road")

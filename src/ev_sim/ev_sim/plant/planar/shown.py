@@ -13,8 +13,8 @@ from ev_sim.drives.electrical_side import coolant_outlet_temperature, current_at
 from ev_sim.drives.synchronous_motor import phase_values
 from ev_sim.plant.guard import guard_notes
 from ev_sim.plant.planar import planar_state as state
-from ev_sim.plant.planar.body import loads, rates, speed_resistance, steer
-from ev_sim.plant.planar.contact import find_road, gravity_at, look, slips, within_friction
+from ev_sim.plant.planar.body import loads, rates, steer
+from ev_sim.plant.planar.contact import find_road, gravity_at, look, slips, speed_resistance, within_friction
 from ev_sim.plant.planar.given import PlanarParameters, deflate
 from ev_sim.plant.planar.planar_state import STEP_MEMORY, PlanarState, Step
 from ev_sim.plant.planar.powertrain import drive_loss, source_voltage, terminal_voltage
@@ -102,6 +102,7 @@ def begin(p: PlanarParameters, car: Car, c: PlanarConstants, kind: type[PlanarSt
     s.x, s.y, s.state_of_charge = p.initial_x, p.initial_y, car.battery.state_of_charge
     y = s.motion
     y[state.VX], y[state.HEADING] = p.initial_speed, p.initial_heading
+    y[state.VY], y[state.YAW_RATE] = p.initial_lateral_velocity, p.initial_yaw_rate
     for i in range(4):
         y[state.WHEEL_SPEED + i] = p.initial_speed / c.body.wheel_radius[i]
         s.torque_share[i] = car.driven[i] / max(car.number_driven, 1.0)

@@ -1,0 +1,98 @@
+"""How far a replay is from the record: by signal, by window and by range of lateral acceleration."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+RANGES = (0.0, 2.0, 4.0, 6.0, 8.0, np.inf)  # of the magnitude of the lateral acceleration [m/s^2]
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """Simulated minus measured, in the unit of the signal.
+
+    `explained` is the share of the variance of the measured signal that the replay has, 1 - var(error)/var(measured).
+    `lag` [s] is by how much the simulated signal comes later, where the correlation of both is largest; NaN where it
+    is not known. `samples` is their number.
+    """
+
+    rms: float
+    largest: float
+    bias: float
+    explained: float
+    lag: float
+    samples: int
+
+    def as_json(self) -> dict[str, Any]:
+        """For summary.json, in which no number is infinite."""
+        return {name: value if np.isfinite(value) else None for name, value in asdict(self).items()}
+
+
+def errors_of(simulated: np.ndarray, measured: np.ndarray, period: float = 0.0, most: float = 0.3) -> Errors:
+    """Of series (windows, n) or (n,); a lag of at most `most` [s] is looked for if there is a `period` [s]."""
+    error = simulated - measured
+    there = np.isfinite(error)
+    error, of = error[there], measured[there]
+    if not len(error):
+        return Errors(np.nan, np.nan, np.nan, np.nan, np.nan, 0)
+    variance = float(np.var(of))
+    return Errors(
+        float(np.sqrt(np.mean(error**2))),
+        float(np.max(np.abs(error))),
+        float(np.mean(error)),
+        1.0 - float(np.var(error)) / variance if variance > 0.0 else np.nan,
+        _lag(simulated, measured, period, most) if period > 0.0 else np.nan,
+        len(error),
+    )
+
+
+def _lag(simulated: np.ndarray, measured: np.ndarray, period: float, most: float) -> float:
+    """By a parabola through the largest correlation of all windows that are finite, and its neighbours."""
+    whole = np.isfinite(simulated).all(axis=1)
+    reach = round(most / period)
+    if not whole.any() or simulated.shape[1] <= 4 * reach:
+        return float("nan")
+    one = simulated[whole][:, reach:-reach]
+    shifts = np.arange(-reach, reach + 1)
+    size = measured.shape[1]
+    correlation = np.array(
+        [np.corrcoef(one.ravel(), measured[whole][:, reach - k : size - reach - k].ravel())[0, 1] for k in shifts]
+    )
+    if not np.isfinite(correlation).all():
+        return float("nan")
+    best = int(np.argmax(correlation))
+    if not 0 < best < len(shifts) - 1:
+        return float(shifts[best] * period)
+    before, at, after = correlation[best - 1 : best + 2]
+    bend = before - 2.0 * at + after
+    return float((shifts[best] + (0.5 * (before - after) / bend if bend < 0.0 else 0.0)) * period)
+
+
+def by_window(simulated: np.ndarray, measured: np.ndarray) -> np.ndarray:
+    """The RMS error of each window, (windows,); NaN where no number is finite."""
+    squared = (simulated - measured) ** 2
+    there = np.isfinite(squared)
+    return np.sqrt(np.where(there, squared, 0.0).sum(axis=1) / np.where(there.any(axis=1), there.sum(axis=1), np.nan))
+
+
+def by_range(simulated: np.ndarray, measured: np.ndarray, acceleration: np.ndarray) -> Mapping[str, Errors]:
+    """The errors of the samples in each of `RANGES` of a lateral acceleration [m/s^2] of the same shape."""
+    size = np.abs(acceleration)
+    return {
+        f"{low:g} to {high:g}" if np.isfinite(high) else f"above {low:g}": errors_of(
+            simulated[chosen], measured[chosen]
+        )
+        for low, high in pairwise(RANGES)
+        if (chosen := (size >= low) & (size < high)).any()
+    }
+
+
+def spins(sideslip: np.ndarray, measured: np.ndarray, limit: float = np.radians(20.0)) -> np.ndarray:
+    """Which windows leave the record: a number that is not finite, or a sideslip angle that far from the measured."""
+    away = np.abs(sideslip - measured)
+    return ~np.isfinite(sideslip).all(axis=1) | (np.nan_to_num(away, nan=np.inf).max(axis=1) > limit)

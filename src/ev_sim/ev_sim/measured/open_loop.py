@@ -1,0 +1,162 @@
+"""Open-loop replay: windows of a record, begun from the measured state, with measured inputs, through the plant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ev_core.lockstep.configuration import Configuration, configure
+from ev_core.lockstep.graph import check_graph
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.batches.batch import batch
+from ev_sim.measured.record import (
+    LATERAL,
+    LATERAL_ACCELERATION,
+    LONGITUDINAL,
+    ROAD_WHEEL_ANGLE,
+    SIDESLIP,
+    STEERING_WHEEL_ANGLE,
+    YAW_RATE,
+    MeasuredRecord,
+)
+from ev_sim.scenarios.about import vehicle_file
+from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.scenario import Overrides
+
+COMPARED = {YAW_RATE: "rad/s", SIDESLIP: "rad", LATERAL: "m/s", LATERAL_ACCELERATION: "m/s2"}
+HOLD = 0.2  # [s], ten times the lag of the loads: wheels, carcasses and loads settle while the body is held
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Windows of a record: the first instants, (n,), and how many instants a window has."""
+
+    first: np.ndarray
+    size: int
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self.first)
+
+    def of(self, values: np.ndarray) -> np.ndarray:
+        """A channel in windows, (n, size)."""
+        return values[self.first[:, None] + np.arange(self.size)]
+
+    def some(self, chosen: np.ndarray) -> Windows:
+        """Those that are marked, or numbered."""
+        return Windows(self.first[chosen], self.size)
+
+
+def windows_of(record: MeasuredRecord, length: float, begin: float = 0.0, end: float = 1.0) -> Windows:
+    """Windows of `length` [s] one behind the other, between two shares of the record's duration.
+
+    A window begins anew behind what is masked. ParameterError if not one fits.
+    """
+    size = round(length / record.period) + 1
+    first, place = [], int(begin * len(record.valid))
+    last = int(end * len(record.valid))
+    while place + size <= last:
+        bad = np.flatnonzero(~record.valid[place : place + size])
+        if len(bad):
+            place += int(bad[-1]) + 1
+        else:
+            first.append(place)
+            place += size - 1
+    if not first:
+        raise ParameterError(f"{record.source}: no window of {length:g} s without a gap")
+    return Windows(np.array(first), size)
+
+
+_OWN: Mapping[str, Mapping[str, Any]] = {
+    "plant": {"method": "planar", "speed": "imposed", "imposed_at": "wheels", "initial_hold": HOLD},
+    "steering_column": {"method": "imposed"},
+    "driver": {"method": "manoeuvre", "pedals.begin": True},
+    "electronic_differential": {"method": "equal_torque"},
+    "asr": {"method": "off"},
+}
+
+
+def graph(vehicle: str, period: float, changed: Overrides | None = None) -> dict[str, Configuration]:
+    """A car whose speed and road-wheel angle are imposed, and what the graph needs besides, which stays at rest.
+
+    `vehicle` is a name or a path. ParameterError, in one line, for what is refused.
+    """
+    changed = changed or Overrides()
+    files = [vehicle_file(vehicle), *map(ParameterFile, changed.files)]
+    for node, key, _ in changed.values:
+        if node not in ("*", *_OWN):
+            raise ParameterError(f"{node}.{key} is refused: an open-loop replay has {', '.join(_OWN)}")
+    configurations = {}
+    for role, own in _OWN.items():
+        values = {"control_period": period, **own}
+        for file in files:
+            values |= file.values_for(f"/ev/{role}")
+        values |= {key: value for node, key, value in changed.values if node in ("*", role)}
+        try:
+            configurations[role] = configure(role, values)
+        except ParameterError as error:
+            raise ParameterError(f"{role}: {error}") from None
+    check_graph(configurations)
+    return configurations
+
+
+class OpenLoop:
+    """Replays windows of a record for any number of cars at once.
+
+    The car is driven as the record was: longitudinal velocity and road-wheel angle are imposed, lateral velocity and
+    yaw rate are those that were measured when the window begins, all else follows. ParameterError if the record lacks
+    one of them.
+    """
+
+    def __init__(
+        self,
+        record: MeasuredRecord,
+        windows: Windows,
+        configurations: Mapping[str, Configuration],
+        signals: Sequence[str] = (LATERAL, YAW_RATE, LATERAL_ACCELERATION),
+    ) -> None:
+        self.record, self.windows = record, windows
+        self._signals = (*dict.fromkeys((LONGITUDINAL, *signals)),)
+        self.configurations = configurations
+        self._lead = round(HOLD / record.period)
+        size = self._lead + windows.size
+        ahead = windows.first[:, None] + np.arange(-self._lead, windows.size)
+        ahead = np.maximum(ahead, np.minimum.accumulate(np.maximum(ahead, 0), axis=1))
+        time = [round(n * record.period, 9) for n in range(size)]
+        speed = record[LONGITUDINAL][ahead]
+        self._fixed: dict[str, list[Any]] = {
+            "plant.imposed_speed.time": [time] * len(windows),
+            "plant.imposed_speed.speed": speed.tolist(),
+            "plant.initial_speed": speed[:, 0].tolist(),
+            "plant.initial_lateral_velocity": record[LATERAL][windows.first].tolist(),
+            "plant.initial_yaw_rate": record[YAW_RATE][windows.first].tolist(),
+            "steering_column.time": [time] * len(windows),
+            "steering_column.angle": self._angle()[ahead].tolist(),
+        }
+        self._duration = time[-1]
+
+    def _angle(self) -> np.ndarray:
+        if ROAD_WHEEL_ANGLE in self.record.channels:
+            return self.record[ROAD_WHEEL_ANGLE]
+        ratio = self.configurations["plant"].common.vehicle.steering_ratio
+        return self.record[STEERING_WHEEL_ANGLE] / ratio
+
+    def measured(self, signal: str) -> np.ndarray:
+        """What the record has, (windows, size)."""
+        return self.windows.of(self.record[signal])
+
+    def simulate(self, cars: Sequence[Mapping[str, Any]] = ({},)) -> dict[str, np.ndarray]:
+        """The signals of all windows for each car, (cars, windows, size); NaN where a number was not finite.
+
+        A car is what is changed, by ROLE.PARAMETER or *.PARAMETER, the same names in all of them.
+        """
+        count = len(self.windows)
+        vary = {name: values * len(cars) for name, values in self._fixed.items()}
+        for name in cars[0]:
+            vary[name] = [car[name] for car in cars for _ in range(count)]
+        found = batch(self.configurations, self._duration, vary, signals=self._signals).signals
+        shaped = {n: values[:, self._lead :].reshape(len(cars), count, -1) for n, values in found.items()}
+        return {**shaped, SIDESLIP: np.arctan2(shaped[LATERAL], shaped[LONGITUDINAL])}

@@ -1,0 +1,217 @@
+"""A car held against a record: errors of its open-loop replay in numbers, and where and why they are worst."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_sim.figures.drawing import Curve, Figure, Panel, sheet
+from ev_sim.figures.saving import save_figures
+from ev_sim.measured.errors import Errors, by_range, by_window, errors_of, spins
+from ev_sim.measured.open_loop import COMPARED, OpenLoop
+from ev_sim.measured.record import LONGITUDINAL, SIDESLIP, YAW_RATE, quoted_source
+from ev_sim.measures.metric import Metric
+from ev_sim.recording.recording import PAGE, SIGNALS, SUMMARY, Recording, save
+from ev_sim.report.page.writing import Page, Signals, images_of, write_page
+from ev_sim.report.summary import Summary, write_summary
+from ev_sim.report.tables import text_table
+
+_FORCES = [
+    f"tire_forces.{kind}.{wheel}" for kind in ("longitudinal_force", "lateral_force", "load") for wheel in WHEEL_NAMES
+]
+_SHOWN = 3  # windows of which the worst are drawn, with what the tyres do there
+FILES = (SUMMARY, SIGNALS, PAGE, "over_time.png", "worst.png")
+
+
+@dataclass(frozen=True)
+class Validation:
+    """A replay that was driven: what it was given, and its signals by name, (windows, samples)."""
+
+    replay: OpenLoop
+    simulated: Mapping[str, np.ndarray]
+    wall_time: float
+
+    @property
+    def names(self) -> list[str]:
+        """The signals of the record that are compared."""
+        return [name for name in COMPARED if name in self.replay.record.channels]
+
+    @cached_property
+    def errors(self) -> Mapping[str, Errors]:
+        """By signal."""
+        period = self.replay.record.period
+        return {n: errors_of(self.simulated[n], self.replay.measured(n), period) for n in self.names}
+
+    @cached_property
+    def ranges(self) -> Mapping[str, Mapping[str, Errors]]:
+        """By signal and range of what was imposed of the lateral acceleration, speed times measured yaw rate."""
+        acceleration = self.replay.measured(LONGITUDINAL) * self.replay.measured(YAW_RATE)
+        return {n: by_range(self.simulated[n], self.replay.measured(n), acceleration) for n in self.names}
+
+    @cached_property
+    def of_windows(self) -> Mapping[str, np.ndarray]:
+        """By signal the RMS error of each window."""
+        return {n: by_window(self.simulated[n], self.replay.measured(n)) for n in self.names}
+
+    @cached_property
+    def spun(self) -> np.ndarray:
+        """Which windows left the record (`errors.spins`)."""
+        return spins(self.simulated[SIDESLIP], self.replay.measured(SIDESLIP))
+
+    @cached_property
+    def friction_used(self) -> np.ndarray:
+        """Horizontal force over load of each wheel [1], (4, windows, samples); 0 for a lifted one."""
+        along, across, load = (np.array([self.simulated[f] for f in _FORCES[n : n + 4]]) for n in (0, 4, 8))
+        return np.hypot(along, across) / np.where(load > 1.0, load, np.inf)
+
+    def begins(self) -> np.ndarray:
+        """When the windows begin, in the time of the file [s]."""
+        return self.replay.record.time[self.replay.windows.first]
+
+    def notes(self) -> tuple[str, ...]:
+        """What was masked, and the windows that left the record, with why."""
+        record = self.replay.record
+        found = list(record.notes)
+        for window in np.flatnonzero(self.spun):
+            used = self.friction_used[:, window].mean(axis=1)
+            wheel = int(np.nanargmax(used)) if np.isfinite(used).any() else 0
+            speed = self.replay.measured(LONGITUDINAL)[window]
+            found.append(
+                f"the window from {self.begins()[window]:.2f} s leaves the record at {speed.min():.0f} to "
+                f"{speed.max():.0f} m/s: {WHEEL_NAMES[wheel]} uses {used[wheel]:.2f} of its load on average"
+            )
+        return tuple(found)
+
+    def table(self) -> str:
+        """What the terminal shows: by signal the errors, those of the median window and those by range."""
+        rows = []
+        for name, all_of in self.errors.items():
+            rows.append(
+                [
+                    name,
+                    "all",
+                    *_cells(all_of, COMPARED[name]),
+                    _number(float(np.nanmedian(self.of_windows[name])), COMPARED[name]),
+                ]
+            )
+            for label, each in self.ranges[name].items():
+                rows.append(["", f"{label} m/s2", *_cells(each, COMPARED[name]), ""])
+        columns = ("signal", "v r", "rms", "largest", "bias", "explained", "lag [s]", "samples", "median window")
+        return text_table(columns, rows, left=("signal", "v r"))
+
+    def metrics(self) -> dict[str, Metric]:
+        """For summary.json and the page."""
+        found = {}
+        for name, each in self.errors.items():
+            unit = COMPARED[name]
+            for what, value in (("rms", each.rms), ("largest", each.largest), ("bias", each.bias)):
+                found[f"{name}_{what}"] = (
+                    Metric(value, unit) if np.isfinite(value) else Metric(None, unit, reason="not finite")
+                )
+            found[f"{name}_median_window"] = Metric(float(np.nanmedian(self.of_windows[name])), unit)
+            if np.isfinite(each.explained):
+                found[f"{name}_explained"] = Metric(each.explained, "1")
+        return found | {
+            "windows": Metric(float(len(self.spun)), "1"),
+            "windows_left": Metric(float(self.spun.sum()), "1"),
+        }
+
+    def recordings(self) -> dict[str, Recording]:
+        """Measured and simulated, window behind window; an instant that two windows share is that of the later one."""
+        record, windows = self.replay.record, self.replay.windows
+        time, last = windows.of(record.time), np.ones(windows.size, bool)
+        last[-1] = False
+        keep = np.tile(last, len(windows))
+        keep[-1] = True
+        measured = {n: windows.of(v).ravel()[keep] for n, v in record.channels.items()}
+        simulated = {n: v.ravel()[keep] for n, v in self.simulated.items()}
+        return {
+            "measured": Recording(time.ravel()[keep], measured),
+            "simulated": Recording(time.ravel()[keep], simulated),
+        }
+
+    def figures(self) -> dict[str, Figure]:
+        """All windows over time, and the worst ones with the friction that they use."""
+        both = self.recordings()
+        time = both["measured"].time
+        panels = []
+        for name in self.names:
+            one, other = both["measured"].channels[name], both["simulated"].channels[name]
+            curves = [Curve(time, one, "measured"), Curve(time, other, "simulated")]
+            span = float(np.max(np.abs(one))) * 1.3
+            panels.append(Panel(name, COMPARED[name], curves, within=(-span, span)))
+            panels.append(Panel(f"error of {name}", COMPARED[name], [Curve(time, other - one)], within=(-span, span)))
+        return {"over_time": sheet(panels, "time [s]"), "worst": self._worst()}
+
+    def _worst(self) -> Figure:
+        order = np.argsort(np.nan_to_num(self.of_windows[YAW_RATE], nan=np.inf))[::-1][:_SHOWN]
+        panels = []
+        for window in order:
+            begin = self.begins()[window]
+            time = np.arange(self.replay.windows.size) * self.replay.record.period
+            for name in (YAW_RATE, SIDESLIP):
+                pair = (("measured", self.replay.measured(name)), ("simulated", self.simulated[name]))
+                curves = [Curve(time, v[window], label) for label, v in pair]
+                panels.append(Panel(f"{name} from {begin:.1f} s", COMPARED[name], curves))
+            used = [Curve(time, self.friction_used[i, window], w) for i, w in enumerate(WHEEL_NAMES)]
+            panels.append(Panel("friction used", "force over load [1]", used))
+        return sheet(panels, "time in the window [s]", columns=3)
+
+    def write(
+        self, folder: Path, command: str, page: bool, more: Mapping[str, Any] | None = None, table: str = ""
+    ) -> None:
+        """Everything into a folder: summary.json, signals.npz of the simulated car, figures, the page.
+
+        `more` goes into summary.json, a `table` above that of the errors on the page.
+        """
+        both, figures = self.recordings(), self.figures()
+        configurations = self.replay.configurations
+        content = Summary(
+            scenario=f"open-loop replay of {quoted_source(self.replay.record)}",
+            mode="offline",
+            seed=0,
+            methods={role: each.method.name for role, each in configurations.items()},
+            parameters={role: each.values() for role, each in configurations.items()},
+            vehicle=configurations["plant"].common.vehicle,
+            runs=both,
+            metrics=self.metrics(),
+            wall_time=self.wall_time,
+            notes=self.notes(),
+            about="speed and steering imposed as measured, all else simulated from the measured state on",
+            command=command,
+        ).as_json()
+        del content["differs"]
+        ranges = {n: {label: e.as_json() for label, e in of.items()} for n, of in self.ranges.items()}
+        rows = {n: [v if np.isfinite(v) else None for v in of.tolist()] for n, of in self.of_windows.items()}
+        content |= {"errors": {n: e.as_json() for n, e in self.errors.items()}, "by_range": ranges}
+        content |= {"by_window": {"begin": self.begins().tolist(), **rows}}
+        write_summary(folder / SUMMARY, content | dict(more or {}))
+        save(both["simulated"], folder / SIGNALS)
+        save_figures(figures, folder)
+        if page:
+            signals = Signals("", both, None)
+            shown = "\n\n".join(filter(None, (table, self.table())))
+            title = f"{configurations['plant'].common.vehicle.name} against {Path(self.replay.record.source).name}"
+            write_page(Page(title, {"": content}, (signals,), images_of(figures, folder), shown), folder / PAGE)
+
+
+def signals_to_show() -> Sequence[str]:
+    """What a validation has to simulate."""
+    return [n for n in COMPARED if n != SIDESLIP] + _FORCES
+
+
+def _cells(errors: Errors, unit: str) -> list[str]:
+    lag = f"{errors.lag:.3f}" if np.isfinite(errors.lag) else "-"
+    numbers = [_number(value, unit) for value in (errors.rms, errors.largest, errors.bias)]
+    return [*numbers, f"{errors.explained:.4f}", lag, str(errors.samples)]
+
+
+def _number(value: float, unit: str) -> str:
+    """A number with its unit; an angle in degrees beside."""
+    return f"{value:.4g} {unit}" + (f" ({np.degrees(value):.3g} deg)" if unit == "rad" else "")
