@@ -1,4 +1,4 @@
-"""Road and air: what resists the body, velocities of the contacts, secants of the friction curve, slips that are shown."""
+"""Road and air: what resists the body, contact velocities, secants of the friction curve, slips that are shown."""
 
 from __future__ import annotations
 
