@@ -16,8 +16,8 @@ import numpy as np
 
 from ev_sim.batches.batch import batch
 from ev_sim.driver.path import Path as Line
-from ev_sim.driver.path import path_of
-from ev_sim.measures.lane_change_course import hit_cones
+from ev_sim.driver.path import distances_from, path_of
+from ev_sim.measures.course import hit_cones
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
@@ -45,16 +45,13 @@ def passages(car: str, speeds: list[float], method: str, preview: str, time: flo
         vary = {"plant.initial_speed": [speed / 3.6], "driver.speed_profile.speed": [[speed / 3.6]]}
         driven = batch(run.configurations, WAY / (speed / 3.6), vary, signals=SIGNALS)
         recording = Recording(driven.time, {name: values[0] for name, values in driven.signals.items()})
-        found.append(Passage(int(hit_cones(recording, vehicle).sum()), error(recording, line)))
+        found.append(Passage(int(hit_cones(recording, vehicle, run.course).sum()), error(recording, line)))
     return found
 
 
 def error(recording: Recording, line: Line) -> float:
     """Largest distance from the line [m]."""
-    x, y = (recording.channels[name][:, None] for name in SIGNALS[:2])
-    from_x, from_y, along_x, along_y, length = map(np.array, (line.x, line.y, line.along_x, line.along_y, line.length))
-    passed = np.clip((x - from_x) * along_x + (y - from_y) * along_y, 0.0, length)
-    return float(np.hypot(x - from_x - passed * along_x, y - from_y - passed * along_y).min(axis=1).max())
+    return float(distances_from(line, *(recording.channels[name] for name in SIGNALS[:2])).max())
 
 
 def row(*cells: object) -> str:

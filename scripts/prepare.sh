@@ -169,6 +169,15 @@ build_workspace() {
     build_fingerprint >install/.complete
 }
 
+# A .venv that is there keeps its Python.
+if [[ -n "${PYTHON:-}" ]] && is_environment_ready; then
+    of='import platform, sys; print(platform.python_version(), "of", sys.base_prefix)'
+    its="$(.venv/bin/python -c "$of")"
+    if [[ "$("$PYTHON" -c "$of" 2>&1)" != "$its" ]]; then
+        echo "PYTHON=$PYTHON is refused: .venv has Python $its; remove .venv, or leave PYTHON out" >&2
+        exit 1
+    fi
+fi
 if is_environment_ready && is_build_ready; then
     exit 0
 fi

@@ -23,7 +23,6 @@ MANOEUVRES = (
     "double_lane_change",
     "hill_start",
     "launch_split_mu",
-    "obstacle_avoidance",
     "sine_with_dwell",
     "steady_circle",
     "step_steer",
@@ -43,7 +42,11 @@ setup(
     maintainer_email=PACKAGE.find("maintainer").get("email"),
     license=PACKAGE.findtext("license"),
     packages=find_packages(exclude=["test"]),
-    package_data={"ev_sim": ["py.typed", *CONFIG], "ev_sim.report.page": ["templates/*", "vendor/*"]},
+    package_data={
+        "ev_sim": ["py.typed", *CONFIG],
+        "ev_sim.export": ["templates/*"],
+        "ev_sim.report.page": ["templates/*", "vendor/*"],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_sim"]),
         ("share/ev_sim", ["package.xml"]),

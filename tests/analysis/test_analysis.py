@@ -327,7 +327,15 @@ def test_command_line_prints_how_a_vehicle_steers(tmp_path, capsys):
     printed = {line[:52].strip(): line[52:].split() for line in capsys.readouterr().out.splitlines()}
     assert printed["understeer gradient"] == ["0.0022494", "rad", "s^2/m"]
     assert printed["characteristic speed"] == ["27.652", "m/s"]
+    assert not [label for label in printed if label.startswith(("critical", "W12", "acceleration", "front share"))]
     assert (tmp_path / "bode_ge_ni2005.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_command_line_prints_what_a_drive_force_does(tmp_path, capsys):
+    """W12 = N/(D + s): N > 0 by the force of the front wheels alone; without a force there is nothing to say."""
+    analyse(["audi_a2", "--drive-force", "1000", "--out", str(tmp_path)])
+    printed = {line[:52].strip(): line[52:].split() for line in capsys.readouterr().out.splitlines()}
+    assert float(printed["W12: excitation N, 0 if the car steers neutrally"][0]) > 0.0
 
 
 def test_command_line_says_in_one_line_what_is_wrong(tmp_path):

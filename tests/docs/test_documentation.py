@@ -107,11 +107,6 @@ def test_the_page_of_running_shows_every_option_of_run_sh(capsys: pytest.Capture
     assert set(re.findall(r"--[a-z][a-z-]+", described)) == options
 
 
-def test_the_page_of_own_things_shows_the_own_node_as_it_is():
-    shown = (ROOT / "docs" / "own_things.md").read_text().partition("```python\n")[2].partition("```")[0]
-    assert shown in (EXAMPLES / "own_node.py").read_text()
-
-
 @pytest.fixture(scope="module")
 def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a short run with the built-in nodes."""

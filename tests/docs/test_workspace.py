@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import pytest
 import release
 import yaml
+from catkin_pkg.package import parse_package
 
 import ev_sim
 
@@ -79,9 +80,38 @@ def test_pixi_brings_every_message_package_that_the_packages_name(distribution):
     needed = set()
     for package in PACKAGES:
         tree = ElementTree.parse(ROOT / "src" / package / "package.xml")
-        needed |= {found.text for found in tree.iter("exec_depend") if not found.text.startswith("python3-")}
+        required = [found.text for found in tree.iter("exec_depend") if found.get("condition") is None]
+        needed |= {name for name in required if not name.startswith("python3-")}
     assert needed - set(PACKAGES) <= names
     assert all((ROOT / task.split()[0]).exists() for task in said["tasks"].values())
+
+
+# The keys of rosdep/python.yaml in ros/rosdistro (8468e88c, 2026-08-22) that the packages name, each looked up there.
+ROSDEP_KEYS = {
+    *("python3-can", "python3-cantools-pip", "python3-gymnasium-pip", "python3-jinja2", "python3-matplotlib"),
+    *("python3-msgpack", "python3-numba", "python3-numpy", "python3-pandas", "python3-pytest", "python3-rosbags-pip"),
+    *("python3-scipy", "python3-tornado", "python3-tqdm", "python3-yaml"),
+}
+
+
+def dependencies(**environment: str) -> set[str]:
+    """What rosdep would install for all packages."""
+    found = set()
+    for package in PACKAGES:
+        described = parse_package(ROOT / "src" / package / "package.xml")
+        described.evaluate_conditions(environment)
+        found |= {each.name for each in described.exec_depends + described.test_depends if each.evaluated_condition}
+    return found - set(PACKAGES)
+
+
+def test_rosdep_finds_what_is_needed_and_on_demand_what_is_optional():
+    """A key with -pip keeps a package from being released; what is needed has none. No bridge is needed by anybody."""
+    needed, everything = dependencies(), dependencies(EV_STACK_OPTIONAL="yes")
+    optional = everything - needed
+    assert {name for name in everything if name.startswith("python3-")} == ROSDEP_KEYS
+    assert not [name for name in needed if name.endswith("-pip")]
+    assert {"simulation_interfaces", "autoware_vehicle_msgs", "ackermann_msgs", "nav_msgs", "tf2_msgs"} < optional
+    assert {"rclpy", "sensor_msgs", "python3-numba"} < needed
 
 
 def test_the_workflow_tries_every_distribution_that_installing_names():

@@ -143,3 +143,19 @@ def test_what_is_refused_is_one_line(changed, said):
         ev_sim.run("shchur2019", **changed)
     assert str(error.value).startswith(said)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: ev_sim.run("a\0.yaml"),
+        *(lambda name=name: ev_sim.run("shchur2019", **{name: "a\0.csv"}) for name in ("vehicle", "cycle")),
+        lambda: ev_sim.run("shchur2019", params=["a\0.yaml"]),
+        *(lambda end=end: ev_sim.run("shchur2019", method={"asr": f"a\0{end}"}) for end in (".py", ".so", ".npz")),
+        lambda: ev_sim.run("shchur2019", duration=0.05).save("/tmp/a\0b"),
+    ],
+)
+def test_a_null_byte_in_a_path_is_one_line(call):
+    """It was "embedded null byte", by which nobody finds the path."""
+    with pytest.raises(ParameterError, match=r"a\\x00"):
+        call()

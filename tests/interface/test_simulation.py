@@ -50,6 +50,16 @@ def test_ones_own_torque_split_gives_the_bits_of_the_built_in_one(inside):
     assert outside.time == pytest.approx(STEPS * 0.01)
 
 
+def test_a_fault_of_the_plant_strikes_at_the_instants_of_a_run():
+    """The plant writes the next instant, and so does the fault behind it: one period late is another signal."""
+    changed = {**NOISE, "plant.initial_speed": 15.0, "plant.faults": ["constant imu.yaw_rate 0.5 from 0.1 until 0.2"]}
+    car = ev_sim.Simulation("double_lane_change", set=changed)
+    for _ in range(30):
+        car.step()
+    run = ev_sim.run("double_lane_change", set=changed, duration=0.29)
+    assert signal_hash(car.recording) == signal_hash(next(iter(run.runs.values())))
+
+
 def test_ones_own_driver_and_column_are_told_what_they_do(inside):
     """Also a role that integrates can be left out: what it writes at an instant is given at that instant."""
     signals = inside.signals

@@ -9,7 +9,7 @@ import pytest
 from ev_core.methods import register as module
 from ev_core.methods.register import offered, offered_module
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import load_scenario
 from ev_sim.study.study import study_named
 
@@ -56,6 +56,6 @@ def test_what_does_not_load_is_one_line_and_harms_only_who_wants_it(offer):
 def test_an_unknown_name_lists_those_that_there_are():
     with pytest.raises(ParameterError, match=r"^unknown study 'sweeps'; did you mean sweep?"):
         study_named("sweeps")
-    with pytest.raises(ParameterError, match=r"^unknown report 'braking'; known: "):
+    with pytest.raises(ParameterError, match=r"^unknown report 'braking'; did you mean zhileykin2018_braking\?$"):
         offered_module(GROUP, "report", "braking")
     assert "coast_down" in offered(GROUP)

@@ -19,7 +19,7 @@ from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, NotMeasured, Reference, mean_between, metric, within
 from ev_sim.recording import recording as recordings
 from ev_sim.recording.recording import Recording, combined_hash, signal_hash
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import report_for
 from ev_sim.report.summary import Summary, write_summary
 from ev_sim.report.tables import metric_table, print_metrics
 
@@ -200,7 +200,7 @@ def test_recording_refuses_what_it_could_not_save_exactly():
 )
 def test_verdict(value, assumption, verdict):
     """Both ends of the band belong to it."""
-    assert metric(lambda: value, "m", Reference(2.0, (1.0, 3.0), "a source", assumption)).verdict == verdict
+    assert metric(lambda: value, "m", reference=Reference(2.0, (1.0, 3.0), "a source", assumption)).verdict == verdict
 
 
 def test_metric_without_published_value_is_measured():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ev_sim.recording.offline import run_offline
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
 
 BEGIN = (("driver", "pedals.begin", True),)  # pedals from the start instead of the speed profile
@@ -25,9 +25,9 @@ def test_a_report_bears_any_run(name, duration, values):
     runs = {run.name: run_offline(run.configurations, run.duration) for run in scenario.runs}
     first = scenario.runs[0].configurations
     parameters = {role: configuration.values() for role, configuration in first.items()}
-    report, vehicle = report_for(name), first["plant"].common.vehicle
-    metrics = report.metrics(runs, vehicle, parameters)
+    report, vehicle, course = report_for(name), first["plant"].common.vehicle, scenario.parameters.course
+    metrics = report.metrics(runs, vehicle, parameters, course)
     assert metrics
-    assert report.figures(runs, vehicle, parameters) is not None
+    assert report.figures(runs, vehicle, parameters, course) is not None
     if name == "steady_circle":
         assert all(metric.value is None for key, metric in metrics.items() if key.endswith("_gradient"))

@@ -13,11 +13,11 @@ import ev_sim
 from ev_core.check.mirror import mirrored
 from ev_core.lockstep.parts import row_parts
 from ev_msgs_py.contract import frame
+from ev_sim.measures.registry import METRICS, driven_run
 from ev_sim.recording.offline import run_offline, struck_channels, true_motion
 from ev_sim.recording.recording import Recording
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import Overrides, Scenario, load_scenario
-from ev_sim.study import compare
 
 DRIVEN = {  # scenario -> how long it takes until all that is measured has happened [s]
     "sine_with_dwell": 5.0,
@@ -47,27 +47,30 @@ def as_shipped(name: str) -> tuple[Scenario, dict[str, Recording]]:
     return scenario, driven(scenario)
 
 
-def metrics_of(scenario: Scenario, runs: dict[str, Recording]) -> dict[str, float | str]:
-    """By name the value, or why there is none."""
+def metrics_of(scenario: Scenario, runs: dict[str, Recording], side: float = 1.0) -> dict[str, float | str]:
+    """By name the value, or why there is none; with a side of -1 the path of the driver is mirrored as well."""
     first = scenario.runs[0].configurations
     parameters = {role: configuration.values() for role, configuration in first.items()}
+    if "path.y" in parameters["driver"]:
+        parameters["driver"]["path.y"] = [side * y for y in parameters["driver"]["path.y"]]
     found = report_for(scenario.parameters.report or scenario.name).metrics(
-        runs, first["plant"].common.vehicle, parameters
+        runs, first["plant"].common.vehicle, parameters, scenario.parameters.course
     )
     return {name: each.verdict if each.value is None else each.value for name, each in found.items()}
 
 
-def all_metrics_of(scenario: Scenario, runs: dict[str, Recording]) -> dict[str, float | str]:
-    """Those of the report, and what `compare` measures in any manoeuvre."""
+def all_metrics_of(scenario: Scenario, runs: dict[str, Recording], side: float = 1.0) -> dict[str, float | str]:
+    """Those of the report, and what is measured of any manoeuvre."""
     of_runs = (handling_of(scenario, run).items() for run in runs.values())
-    return metrics_of(scenario, runs) | {
+    return metrics_of(scenario, runs, side) | {
         f"{name} {n}": value for n, found in enumerate(of_runs) for name, value in found
     }
 
 
 def handling_of(scenario: Scenario, run: Recording) -> dict[str, float | str]:
-    found = compare.measure(run, scenario.runs[0])
-    return {name: found[name] for name in compare.QUANTITIES}
+    driven = driven_run(run, scenario.runs[0].configurations)
+    found = {name: each.measured(driven) for name, each in METRICS.items()}
+    return {name: each.verdict if each.value is None else each.value for name, each in found.items()}
 
 
 # Sensors
@@ -204,7 +207,7 @@ def test_metrics_of_the_mirror_image_are_mirrored(name):
 
 def assert_mirrored(scenario: Scenario, runs: dict[str, Recording]) -> None:
     wanted = dict(in_the_mirror(key, value, list(runs)) for key, value in all_metrics_of(scenario, runs).items())
-    assert_same(all_metrics_of(scenario, {each: image(run) for each, run in runs.items()}), wanted)
+    assert_same(all_metrics_of(scenario, {each: image(run) for each, run in runs.items()}, side=-1.0), wanted)
 
 
 @settings(max_examples=6)

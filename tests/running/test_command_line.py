@@ -128,10 +128,15 @@ def test_unknown_words_end_with_status_2(words, said, capsys):
     assert said in capsys.readouterr().err
 
 
+_NO_SNOW = "plant: road.left: unknown surface 'snow'; did you mean packed_snow_1, packed_snow_2?"
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["nowhere"], "unknown scenario or study 'nowhere'; known: "),
+        (["nowhere"], "unknown scenario, study or review 'nowhere'; known: "),
+        (["sweeep", "x"], "unknown scenario, study or review 'sweeep'; did you mean sweep?"),
+        (["straight_brake_split_mu", "--set", "plant.road.left=[snow]"], _NO_SNOW),
         (["shchur2019", "--set", "plant.drive=magic"], "plant: parameter drive: 'magic' is refused, "),
         (["shchur2019", "--method", "asr=on"], "asr: unknown asr method 'on'; known: "),
         (["shchur2019", "--duration", "-1"], "duration: -1.0 is refused"),
@@ -146,6 +151,33 @@ def test_what_is_refused_ends_the_command_with_one_line_and_leaves_nothing(words
     assert ended.value.code.startswith(f"error: {said}")
     assert "\n" not in ended.value.code
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("set_", "said"),
+    [
+        (
+            "*.control_period=0.0133",
+            "note: shchur2019 ends at 0.9975 s: 1 s is no multiple of control_period, 0.0133 s",
+        ),
+        ("plant.initial_speed=80", "note: plant.initial_speed = 80 m/s is 288 km/h; km/h are written '80 km/h'"),
+    ],
+)
+def test_what_may_not_be_meant_is_one_note(set_, said, tmp_path, capsys):
+    """The first ended early without a word, the second drove at 288 km/h."""
+    words = ["shchur2019", "--offline", "--no-record", "--no-report", "--duration", "1", "--out", str(tmp_path / "out")]
+    main([*words, "--set", set_])
+    assert said in capsys.readouterr().out.splitlines()
+    main(words)
+    found = [line for line in capsys.readouterr().out.splitlines() if line.startswith("note: ")]
+    assert len(found) == 1 and found[0].startswith("note: replaced the results of scripts/run.sh shchur2019 ")
+
+
+def test_a_command_of_ev_stack_asks_for_the_similar_one(capsys):
+    with pytest.raises(SystemExit) as ended:
+        ev_stack.perform(["rnu"])
+    assert ended.value.code == 2
+    assert capsys.readouterr().err.startswith("ev-stack: unknown command 'rnu'; did you mean run?")
 
 
 def test_list_shows_every_scenario_and_method_in_a_line(capsys):

@@ -17,7 +17,7 @@ from ev_sim.plant.planar.planar_state import index
 from ev_sim.plant.planar.prepare import number_of_steps
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 pytestmark = pytest.mark.slow
@@ -53,7 +53,8 @@ def metrics_of(scenario: str) -> dict[str, float | None]:
     loaded = load_scenario(scenario)
     runs = {run.name: driven(scenario, run.name)[0] for run in loaded.runs}
     vehicle = loaded.runs[0].configurations["plant"].common.vehicle
-    return {name: metric.value for name, metric in report_for(scenario).metrics(runs, vehicle, {}).items()}
+    found = report_for(loaded.runs[0].report).metrics(runs, vehicle, {}, loaded.parameters.course)
+    return {name: metric.value for name, metric in found.items()}
 
 
 def deviations(recording: Recording, state: np.ndarray, reference: np.ndarray) -> dict[str, float]:
@@ -217,7 +218,9 @@ def test_a_car_beside_its_lane_hits_the_cones_of_one_row():
     """Straight on at y = 2 m its body covers 1.16 to 2.84 m: the right row of lane 2 (2.37 m), the left one of 3."""
     values = [("plant", "initial_y", 2.0), ("driver", "path.x", [-50.0, 200.0]), ("driver", "path.y", [2.0, 2.0])]
     recording, _ = drive(load_scenario("double_lane_change", Overrides((), values)).runs[0])
-    assert report_for("double_lane_change").metrics({"run": recording}, Vehicle(), {})["cones_hit"].value == 8
+    course = load_scenario("double_lane_change").parameters.course
+    found = report_for("double_lane_change").metrics({"run": recording}, Vehicle(), {}, course)
+    assert (found["cones_hit"].value, found["course_passed"].value) == (8, 0)
 
 
 def test_sine_with_dwell_multiples_of_a():

@@ -141,7 +141,7 @@ def test_list_names_scenarios_and_methods():
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("shchur2020",), "unknown scenario or study 'shchur2020'; did you mean shchur2019"),
+        (("shchur2020",), "unknown scenario, study or review 'shchur2020'; did you mean shchur2019"),
         (("shchur2019", "--method", "driver=robot"), "unknown driver method 'robot'; known: .*speed_profile"),
         (("shchur2019", "--method", "engine=off"), "unknown node 'engine'; known: .*plant"),
         (("shchur2019", "--set", "plant.drvie=ideal"), "unknown parameter of plant 'drvie'; did you mean drive"),

@@ -14,6 +14,7 @@ from run_script import ENVIRONMENT, ROOT, Running
 
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
+from ev_sim.commands import present_graph
 from ev_sim.commands.ev_stack import perform
 from ev_sim.running.domain import free_domain
 
@@ -119,6 +120,42 @@ def test_what_cannot_be_done_is_one_line(shell):
     assert "no node '/ev/nobody'; there are /ev/asr, " in shell.refused("param", "get", "nobody")
     assert "no master of time (plant) in /other: there is none" in shell.refused("pause", "--namespace", "/other")
     assert "no topic '/ev/nothing'; known: " in shell.refused("topic", "echo", "nothing")
+
+
+class Discovery:
+    """A node and a clock for which others come up at given times [s]."""
+
+    def __init__(self, **others: float) -> None:
+        self.now, self.others = 0.0, others
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+
+    def get_fully_qualified_name(self) -> str:
+        return "/us"
+
+    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
+        return [("us", "/"), ("_hidden", "/"), *((name, "/ev") for name, at in self.others.items() if at <= self.now)]
+
+
+@pytest.mark.parametrize(
+    ("others", "found", "at"),
+    [
+        ({"plant": 0.1, "driver": 0.15}, ["/ev/driver", "/ev/plant"], 0.65),  # as on an idle machine
+        ({"plant": 3.1, "driver": 3.4}, ["/ev/driver", "/ev/plant"], 3.9),  # by the middleware's own discovery
+        ({}, [], 4.0),
+    ],
+)
+def test_a_graph_is_looked_at_when_no_more_nodes_come(monkeypatch, others, found, at):
+    """Half a second without another one; nothing is there when four seconds have brought none."""
+    node = Discovery(**others)
+    monkeypatch.setattr(present_graph, "time", node)
+    assert present_graph._found(node) == bool(found)
+    assert present_graph.full_names(node) == found
+    assert node.now == pytest.approx(at, abs=0.05)  # it looks every 20 ms
 
 
 def test_the_version_is_that_of_the_packages(capsys):

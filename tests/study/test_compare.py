@@ -18,8 +18,10 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main as run_scenario
 from ev_sim.measures import handling
+from ev_sim.measures.registry import surfaces_of
 from ev_sim.recording.recording import Recording
 from ev_sim.study import compare
+from ev_sim.study.run_study import arguments
 from ev_sim.study.study import drive_case
 from ev_sim.surfaces import SURFACES, RoadParameters
 from ev_sim.tyres.curve import peak_slip
@@ -30,7 +32,8 @@ ALL_DRIVEN = [("*", "vehicle.driven_wheels", list(WHEEL_NAMES))]
 
 
 def asked(**changed) -> argparse.Namespace:
-    return argparse.Namespace(**{"scenario": "step_steer", "run": "", "methods": "all", **changed})
+    options = {"scenario": "step_steer", **changed}
+    return arguments("compare", [word for name, value in options.items() for word in (f"--{name}", value)])
 
 
 @cache
@@ -110,9 +113,9 @@ def test_time_over_limit_counts_slip_beyond_the_peak_of_the_curve():
 
 def test_the_limit_is_that_of_a_surface_that_lies_on_the_road():
     """Wet asphalt and snow, of which a random road would be made, were on every road, in any order."""
-    assert compare.surfaces_of(RoadParameters()) == (SURFACES["dry_asphalt"],)
-    assert compare.surfaces_of(RoadParameters(right=("ice",))) == (SURFACES["dry_asphalt"], SURFACES["ice"])
-    drawn = compare.surfaces_of(RoadParameters(pattern="random"))
+    assert surfaces_of(RoadParameters()) == (SURFACES["dry_asphalt"],)
+    assert surfaces_of(RoadParameters(right=("ice",))) == (SURFACES["dry_asphalt"], SURFACES["ice"])
+    drawn = surfaces_of(RoadParameters(pattern="random"))
     assert set(drawn) == {SURFACES["wet_asphalt_1"], SURFACES["packed_snow_1"]}
 
 

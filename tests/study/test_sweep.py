@@ -115,11 +115,29 @@ def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, caps
     ("words", "said"),
     [
         (["--vary", "gamma=1"], "--vary 'gamma=1' is refused, allowed is NODE.PARAM=x,y,z or =FIRST:LAST:COUNT"),
-        (["--vary", "asr.x=a:b:3"], "--vary 'asr.x=a:b:3' is refused, allowed is FIRST:LAST:COUNT of numbers"),
-        (["--seeds", "0"], "--seeds 0 is refused, allowed is 1 or more"),
+        *(
+            (["--vary", f"asr.x={text}"], f"--vary 'asr.x={text}' is refused, allowed is {allowed}")
+            for text, allowed in (
+                ("a:b:3", "FIRST:LAST:COUNT of numbers, such as 0:10:11 for 11 of them"),
+                ("0:10", "FIRST:LAST:COUNT of numbers, such as 0:10:11 for 11 of them"),
+                ("0:10:2.5", "FIRST:LAST:COUNT of numbers, such as 0:10:11 for 11 of them"),
+                ("0:10:1000000000", "a COUNT from 2 to 100000 in FIRST:LAST:COUNT"),
+                ("0:10:0", "a COUNT from 2 to 100000 in FIRST:LAST:COUNT"),
+                ("0:10:1", "a COUNT from 2 to 100000 in FIRST:LAST:COUNT"),
+                ("0:1e999:3", "FIRST:LAST:COUNT of finite numbers"),
+            )
+        ),
+        (["--seeds", "0"], "--seeds 0 is refused, allowed is 1 to 100000"),
+        (["--seeds", "1000000000000"], "--seeds 1000000000000 is refused, allowed is 1 to 100000"),
+        (
+            ["--seeds", "1000", "--vary", "asr.x=0:1:1000"],
+            "a sweep of 1000000 runs is refused, allowed are 100000; docs/batch.md has what drives more",
+        ),
+        ([], "a sweep of nothing is refused, allowed is --vary NODE.PARAM=x,y,z, --seeds N, or both"),
     ],
 )
 def test_words_without_sense_are_one_line(words, said):
+    """`0:10:1000000000` took 23 GB, `0:10:0` ended in "none of 0 runs can be driven; "."""
     with pytest.raises(ParameterError) as error:
         sweep.cases(arguments("sweep", ["shchur2019", *words]))
     assert str(error.value) == said
@@ -136,6 +154,37 @@ def test_runs_too_short_for_any_metric_are_said_to_be_that():
         "",
         "no metric was measured: scripts/run.sh coast_down says why",
     ]
+
+
+def test_metrics_are_named_before_anything_is_driven():
+    """`--metrics yaw_rate_error` drove 15 runs, and then was unknown."""
+
+    def cases(scenario: str, metrics: str) -> list:
+        return sweep.cases(arguments("sweep", [scenario, "--seeds", "2", "--metrics", metrics]))
+
+    asked = cases("step_steer", "yaw_rate_gain,slip_energy,x [1] = maximum(hypot(pose.x, pose.y))")
+    assert {case.metrics for case in asked} == {("slip_energy", "x [1] = maximum(hypot(pose.x, pose.y))")}
+    for scenario, metrics, said in (
+        ("step_steer", "yaw_rate_eror", "unknown metric 'yaw_rate_eror'; did you mean yaw_rate_error, "),
+        (
+            "shchur2019",
+            "peak_slip",
+            "metric peak_slip needs tire_forces.slip_ratio, which none of these writes: plant ",
+        ),
+        ("step_steer", "x [1] = maxi(pose.x)", "metric 'x [1] = maxi(pose.x)' is refused: unknown function 'maxi'; "),
+    ):
+        with pytest.raises(ParameterError) as error:
+            cases(scenario, metrics)
+        assert str(error.value).startswith(said)
+
+
+def test_the_terminal_shows_each_number_once_and_how_long_it_takes(tmp_path, capsys):
+    words = ["--seeds", "2", "--duration", "0.1", "--workers", "1", "--no-report", "--out", str(tmp_path / "out")]
+    main(["sweep", "shchur2019", *words, "--metrics", "drive_energy,peak_slip_of_none [1] = last(time)"])
+    said = capsys.readouterr()
+    assert said.err.startswith("sweep: 2 runs\nsweep: 2 of them to drive, in about 0:00:0")
+    assert "measured" not in said.out
+    assert said.out.count("drive_energy") == 1
 
 
 def test_values_are_numbers_texts_and_units():

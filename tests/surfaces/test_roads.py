@@ -73,7 +73,7 @@ def test_a_surface_of_ones_own_drives_as_one_of_the_table_with_its_numbers():
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"left": ("gravl",)}, "unknown surface of left, right or random_surfaces 'gravl'; did you mean gravel"),
+        ({"left": ("gravl",)}, "left: unknown surface 'gravl'; did you mean gravel"),
         ({"own": ("ice", "oil")}, "own 'ice' is refused: there is such a surface, allowed is another name"),
         ({"own": ("gravel", "gravel")}, "own 'gravel' is refused"),
         ({"own_c2": (10.0,)}, "own_c1, own_c2, own_c3 and own_rolling_resistance need one number for each of own"),

@@ -10,6 +10,7 @@ from pathlib import Path
 from documentation.hashes import HASHES, all_hashes, changes, hash_table, published_hashes
 from documentation.markdown import with_blocks
 from documentation.pages import CONTROL_PERIODS, RESULTS, SHCHUR, stale_pages
+from documentation.processors import BLOCK, PROCESSORS, processor_table
 from documentation.verdict_tables import NAMES, write_verdicts
 from ev_msgs_py.refusal import unknown_name
 
@@ -43,13 +44,16 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
 
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)
-    known = [HASHES, SHCHUR, *NAMES, *scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
+    known = [HASHES, PROCESSORS, SHCHUR, *NAMES, *scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
     for name in chosen:
         if name not in known:
             raise unknown_name("page with results", name, known)
     wanted = chosen or known
     if HASHES in wanted:
         _write_hashes(root / HASHES)
+    if PROCESSORS in wanted:
+        published = published_hashes((root / HASHES).read_text(encoding="utf-8"))
+        _write(root / PROCESSORS, {BLOCK: processor_table(published)})
     if SHCHUR in wanted:
         driven = results.drive_all()
         texts = {RESULTS: results.result_table(driven), CONTROL_PERIODS: results.control_period_table()}

@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from documentation import architecture, can_reference, parameter_reference, topic_reference, verdict_tables
+from documentation import (
+    architecture,
+    can_reference,
+    metric_reference,
+    parameter_reference,
+    topic_reference,
+    verdict_tables,
+)
 from documentation.graph_diagram import graph_diagram
 from documentation.hashes import HASHES
 from documentation.lists import method_table, scenario_table, study_list
@@ -31,6 +38,9 @@ PARTS: dict[str, Callable[[], str]] = {
     "topics": topic_reference.topic_table,
     "wheel names": topic_reference.wheel_names,
     "fields": topic_reference.field_tables,
+    "metrics of any run": metric_reference.metrics_of_any_run,
+    "functions": metric_reference.functions_of_expressions,
+    "metrics of reports": metric_reference.metrics_of_reports,
     "can frames": can_reference.frame_table,
     "can signals": can_reference.signal_table,
     "can faults": can_reference.fault_table,
@@ -47,6 +57,7 @@ PAGES = {
     "docs/methods.md": ("scenarios", "studies", "methods"),
     "docs/parameters.md": tuple(name for name in PARTS if name.endswith("parameters")),
     "docs/topics.md": ("topics", "wheel names", "fields"),
+    "docs/metrics.md": ("metrics of any run", "functions", "metrics of reports"),
     "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),
     "docs/architecture.md": ("packages", "drawing", "rooms", "layers"),
     HASHES: (RESULTS,),

@@ -15,7 +15,7 @@ from ev_papers.shchur2019 import paper
 from ev_sim.drives.drive import DRIVE_MODELS
 from ev_sim.measures.metric import Metric, Parameters, Runs
 from ev_sim.recording.offline import run_offline
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import Overrides, Scenario, load_scenario
 
 if TYPE_CHECKING:
@@ -36,12 +36,16 @@ class Driven:
     @property
     def metrics(self) -> dict[str, Metric]:
         """The numbers that it yields."""
-        return report_for(self.scenario.name).metrics(self.runs, self._vehicle, self._parameters)
+        return report_for(self.scenario.name).metrics(
+            self.runs, self._vehicle, self._parameters, self.scenario.parameters.course
+        )
 
     @property
     def figures(self) -> dict[str, Figure]:
         """What it draws, by name."""
-        return report_for(self.scenario.name).figures(self.runs, self._vehicle, self._parameters)
+        return report_for(self.scenario.name).figures(
+            self.runs, self._vehicle, self._parameters, self.scenario.parameters.course
+        )
 
     @property
     def _vehicle(self) -> Vehicle:

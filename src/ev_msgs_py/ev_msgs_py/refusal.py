@@ -29,7 +29,7 @@ def _repr(value: Any) -> str:
 
 
 # What would make two lines of one, such as a line break in the name of a file.
-_BREAKS = {ord(each): repr(each)[1:-1] for each in "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"}
+_BREAKS = {ord(each): repr(each)[1:-1] for each in "\0\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"}
 
 
 class ParameterError(ValueError):
@@ -49,10 +49,12 @@ class ParameterError(ValueError):
 def unknown_name(kind: str, name: Any, known: Iterable[str]) -> ParameterError:
     """The error for a name that does not exist: it asks for the most similar ones, and lists the known if they are few.
 
-    Of many of which none is similar it lists the first.
+    Similar are also names with this one in them. Of many of which none is similar it lists the first.
     """
-    known = sorted(known)
-    similar = difflib.get_close_matches(str(name), known, n=3)
+    known, text = sorted(known), str(name)
+    similar = (
+        difflib.get_close_matches(text, known, n=3) or [each for each in known if len(text) > 2 and text in each][:3]
+    )
     meant = f"did you mean {', '.join(similar)}?" if similar else ""
     more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
     listed = "" if similar and more else f"known: {', '.join(known[:_SHOWN])}{more}"

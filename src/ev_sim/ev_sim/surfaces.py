@@ -226,9 +226,11 @@ class RoadParameters:
                 raise ParameterError(f"own {quoted(name)} is refused: there is such a surface, allowed is another name")
             if self.own_c1[i] * (1.0 - exp(-self.own_c2[i])) - self.own_c3[i] <= 0.0:
                 raise ParameterError(f"own {quoted(name)} has no friction at a slip of 1, allowed is a smaller c3")
-        for name in (*self.left, *self.right, *self.random_surfaces):
-            if name not in SURFACES and name not in self.own:
-                raise unknown_name("surface of left, right or random_surfaces", name, (*SURFACES, *self.own))
+        known = (*SURFACES, *self.own)
+        for where in ("left", "right", "random_surfaces"):
+            for name in getattr(self, where):
+                if name not in known:
+                    raise ParameterError(f"{where}: {unknown_name('surface', name, known)}")
 
     @property
     def is_random(self) -> bool:

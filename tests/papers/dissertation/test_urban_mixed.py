@@ -22,7 +22,7 @@ from ev_sim.measures.handling import share_of, surfaces_under
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.profiles.cycle_windows import MODES, TRACTION
 from ev_sim.recording.recording import Recording
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import report_for
 from ev_sim.surfaces import RoadParameters, left_and_right
 
 ROOT = Path(__file__).parents[3]

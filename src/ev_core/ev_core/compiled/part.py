@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,9 +12,8 @@ from typing import Any
 import numpy as np
 
 from ev_core.compiled.part_source import constants_row, law_of, part_source
-from ev_core.compiling import machine_code
 from ev_core.compiling.fingerprint import Reach
-from ev_core.compiling.machine_code import FUNCTION, Code, function_address
+from ev_core.compiling.machine_code import FUNCTION, Code, function_address, key_of
 from ev_core.faults import row
 from ev_core.faults.row import FaultRow
 from ev_core.methods.law import Given
@@ -27,15 +27,40 @@ from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.refusal import ParameterError
 
 
+def code_of(method: Method, given: Given) -> Code:
+    """What is compiled of a method."""
+    return Code(_name(method), *part_source(method, given))
+
+
 def code_key(method: Method, parameters: Any, vehicle: Any, period: float) -> str:
     """The name under which the machine code of a method is kept."""
-    given = Given(law_of(method), parameters, vehicle, period)
-    return machine_code.key_of(_name(method), *part_source(method, given))
+    return key_of(*code_of(method, Given(law_of(method), parameters, vehicle, period)))
+
+
+@contextmanager
+def in_one_line(method: Method, parameters: Any, vehicle: Any, period: float) -> Iterator[Callable[[Reach], None]]:
+    """In the block a law that cannot be compiled is one line, ParameterError; what is given looks at its text."""
+
+    def look_at(reach: Reach) -> None:
+        from ev_core.compiled import mistakes
+
+        found = mistakes.wrong_text(method, reach.functions.values())
+        if found := found or mistakes.wrong_answer(method, parameters, vehicle, period):
+            raise ParameterError(found)
+
+    try:
+        yield look_at
+    except (ParameterError, OSError, MemoryError):
+        raise
+    except Exception as error:  # of many kinds: whatever the compiler stumbles over
+        from ev_core.compiled.mistakes import mistake
+
+        raise ParameterError(mistake(method, parameters, vehicle, period, error)) from error
 
 
 def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
     """Whether the machine code of a method is on disk, so that nobody has to wait for the compiler."""
-    return machine_code.kept_code(code_key(method, parameters, vehicle, period)) is not None
+    return code_of(method, Given(law_of(method), parameters, vehicle, period)).is_kept()
 
 
 def _name(method: Method) -> str:
@@ -50,21 +75,8 @@ class CompiledPart:
     def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
         self.given = Given(law_of(method), parameters, vehicle, period)
 
-        def look_at(reach: Reach) -> None:
-            from ev_core.compiled import mistakes
-
-            found = mistakes.wrong_text(method, reach.functions.values())
-            if found := found or mistakes.wrong_answer(method, parameters, vehicle, period):
-                raise ParameterError(found)
-
-        try:
-            self.function = function_address(_name(method), *part_source(method, self.given), look_at)
-        except (ParameterError, OSError, MemoryError):
-            raise
-        except Exception as error:  # of many kinds: whatever the compiler stumbles over
-            from ev_core.compiled.mistakes import mistake
-
-            raise ParameterError(mistake(method, parameters, vehicle, period, error)) from error
+        with in_one_line(method, parameters, vehicle, period) as look_at:
+            self.function = function_address(*code_of(method, self.given), look_at)
         self.constants = constants_row(self.given.trees, self.given.values["c"], period)
         self._state = np.array(numbers(self.given.values["s"]) or [0.0])
         notes = law_of(method).notes

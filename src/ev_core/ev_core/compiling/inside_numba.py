@@ -13,7 +13,6 @@ import builtins
 import importlib.util
 import os
 import pickle
-import struct
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -23,6 +22,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
+from ev_core.compiling.object_symbols import calls
 from ev_core.parameters.record import working_memory
 from ev_msgs_py.compilable import INLINED
 from ev_msgs_py.refusal import ParameterError, quoted
@@ -213,7 +213,6 @@ def _with_names(kinds: Sequence[Any]) -> list[Any]:
 
 # Modules of numba with what compiled code may call, and how their functions are named there.
 _HELPERS = {"numba._helperlib": "numba_", "numba.core.runtime._nrt_python": "NRT_"}
-_SYMBOL = struct.Struct("<IBBHQQ")  # of an ELF file: name, kind, visibility, section, value, size
 
 _engines: list[Any] = []  # what they have loaded lasts as long as they do
 
@@ -240,7 +239,7 @@ def loaded(symbol: str, code: bytes) -> int:
         return 0
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
     found = binding.ObjectFileRef.from_data(code)
-    called = calls(found)
+    called = calls(code)
     if any(name.startswith("NRT_") and "alloc" in name for name in called):
         from numba.core.registry import cpu_target
         from numba.core.runtime.nrt import rtsys
@@ -253,14 +252,6 @@ def loaded(symbol: str, code: bytes) -> int:
     _engines.append(engine)
     address: int = engine.get_function_address(symbol)
     return address
-
-
-def calls(found: Any) -> list[str]:
-    """The names in an object file (ELF) that others have to define."""
-    sections = {section.name(): section.data() for section in found.sections()}
-    names = sections[b".strtab"]
-    entries = list(_SYMBOL.iter_unpack(sections[b".symtab"]))[1:]  # the first one is none
-    return [names[at : names.index(b"\0", at)].decode() for at, _, _, section, _, _ in entries if section == 0]
 
 
 def _name_helpers(binding: Any) -> None:

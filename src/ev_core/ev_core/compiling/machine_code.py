@@ -247,7 +247,7 @@ def compiled_address(key: str, text: str, names: dict[str, Any]) -> int:
     _say_compiling(key)
     with inside_numba.only_machine_code_of("step"):
         register_functions()
-        step = _executed(key, text, names)
+        step = executed(key, text, names)
     if made := inside_numba.object_code(step):
         keep(key, *made)
     address: int = step.address
@@ -259,12 +259,13 @@ def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
     key = key_of(name, text, names)
     if key not in _functions:
         register_functions()
-        _functions[key] = _executed(key, text, names)
+        _functions[key] = executed(key, text, names)
         _keep(_functions[key], key, reach_of(text, names))
     return _functions[key]
 
 
-def _executed(key: str, text: str, names: dict[str, Any]) -> Any:
+def executed(key: str, text: str, names: dict[str, Any]) -> Any:
+    """The function `step` of a text that uses these names, in a module of its own."""
     module = ModuleType(f"ev_stack_{key}")
     vars(module).update(names)
     sys.modules[module.__name__] = module  # what numba loads from disk asks for its module by name

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import copy
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from typing import Any
 
 from ev_core.compiling.machine_code import FUNCTION, can_be_kept
-from ev_core.faults.fault import Fault
 from ev_core.faults.row import FaultRow, of_signals
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.part import CalledBack, Part, PythonPart
@@ -24,15 +23,15 @@ class Restart:
     error: BaseException | None = None
     state = None  # nothing lasts but that of the part
 
-    def __init__(self, part: Any, faults: Sequence[Fault], period: float) -> None:
+    def __init__(self, part: Any, ends: Collection[float], period: float) -> None:
         self._part, self._period = part, period
         self._first = copy.deepcopy(part.state)
-        self._ends = {fault.periods(period)[1] for fault in faults if fault.kind == "restarted"}
+        self._ends = ends
         self._function = FUNCTION(self._called_back)
 
     def before(self, time: float) -> None:
         """Called before the part answers at a time [s]."""
-        if self._ends and round(time / self._period) in self._ends:
+        if round(time / self._period) in self._ends:
             self._part.state = copy.deepcopy(self._first)
 
     def addresses(self) -> tuple[int, int, int]:
@@ -115,11 +114,11 @@ def part_of(configuration: Configuration, compiled: bool) -> Part:
 
 def behind_sensors(configuration: Configuration, part: Part) -> Part:
     """The part of a method behind the sensors and faults of its configuration."""
-    rows = _rows(configuration)
+    rows = rows_of(configuration)
     return Sensed(part, rows, _restart(configuration, part)) if rows else part
 
 
-def _rows(configuration: Configuration) -> list[SensorRow | FaultRow]:
+def rows_of(configuration: Configuration) -> list[SensorRow | FaultRow]:
     """What changes the numbers that a part writes: its sensors, and then its faults."""
     rows: list[SensorRow | FaultRow] = []
     common = configuration.common
@@ -130,9 +129,15 @@ def _rows(configuration: Configuration) -> list[SensorRow | FaultRow]:
     return rows
 
 
+def restarts(configuration: Configuration) -> list[float]:
+    """The instants, in control periods, at which the program of a role begins anew."""
+    period, faults = configuration.common.control_period, of_signals(configuration.faults)
+    return sorted({fault.periods(period)[1] for fault in faults if fault.kind == "restarted"})
+
+
 def _restart(configuration: Configuration, part: Part) -> Restart | None:
-    faults = [fault for fault in of_signals(configuration.faults) if fault.kind == "restarted"]
-    return Restart(part, faults, configuration.common.control_period) if faults else None
+    ends = restarts(configuration)
+    return Restart(part, ends, configuration.common.control_period) if ends else None
 
 
 def is_kept(configuration: Configuration) -> bool:
@@ -178,7 +183,7 @@ def compiled_parts(configuration: Configuration) -> list[Any]:
 
 def row_parts(configuration: Configuration) -> list[Any]:
     """Those behind the method's part."""
-    rows = _rows(configuration)
+    rows = rows_of(configuration)
     if rows:
         from ev_core.compiled.part import RowPart
 

@@ -83,6 +83,8 @@ class TextOfFile(str):
 
 def refuse_outside(name: str, path: Path) -> None:
     """ParameterError if a file has named a path that leads out of its folder, config folders and working directory."""
+    if "\0" in name:
+        raise ParameterError(f"{quoted(str(name))} is refused, allowed is the path of a file")
     if isinstance(name, TextOfFile):
         roots = [root.resolve() for root in (name.file.parent, *config_folders(), Path())]
         if not any(path.resolve().is_relative_to(root) for root in roots):
@@ -118,6 +120,8 @@ def _tell(path: Path | str, file: BufferedReader) -> None:
 
 def open_data(path: Path | str, most: int) -> IO[bytes]:
     """A regular file of at most so many bytes; OSError, whose strerror gives what is allowed, for anything else."""
+    if "\0" in os.fspath(path):
+        raise OSError(errno.EINVAL, "it has a null byte, allowed is the path of a file", str(path))
     opened = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
     try:
         found = os.fstat(opened)

@@ -87,3 +87,7 @@ QUANTITIES: dict[str, tuple[str, OfRun]] = {
     "response_time": ("s", own_response_time),
     "chatter": ("N m/s", chatter),
 }
+OVER_TIME = {  # what is not read at one instant
+    "response_time": "from turning in to the steady yaw rate",
+    "chatter": "way of both torque requests to and fro in the last second, per time",
+}

@@ -20,7 +20,7 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_papers.ge_ni2005 import measures, paper
 from ev_papers.ge_ni2005.measures import BASELINE
-from ev_papers.ge_ni2005.quantities import QUANTITIES, SIDES, ground_speed, rim_speed, slip
+from ev_papers.ge_ni2005.quantities import OVER_TIME, QUANTITIES, SIDES, ground_speed, rim_speed, slip
 from ev_sim.figures.drawing import Curve, Figure, Panel, level, panel, sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
@@ -50,7 +50,9 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     """Each quantity of figs 3 and 4 at 3 s in each run, and what the source is judged by, on both cars."""
     driven = ScenarioRuns(runs, vehicle, parameters)
     values = {
-        f"{quantity}_{name}": metric(lambda n=name, m=measure: m(run_named(runs, n)), unit)
+        f"{quantity}_{name}": metric(
+            lambda n=name, m=measure: m(run_named(runs, n)), unit, OVER_TIME.get(quantity, f"at {paper.INSTANT:g} s")
+        )
         for name in runs
         for quantity, (unit, measure) in QUANTITIES.items()
         if quantity == "chatter" or not any(case in name for case in CHATTER_ALONE)

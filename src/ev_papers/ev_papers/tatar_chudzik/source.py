@@ -41,7 +41,8 @@ OF_WHEEL: dict[str, Callable[[Recording, str, Vehicle], np.ndarray]] = {  # (n,)
     "lateral_force": lambda run, wheel, vehicle: channel(run, f"tire_forces.lateral_force.{wheel}"),
     "wheel_speed": lambda run, wheel, vehicle: channel(run, f"wheel_states.velocity.{wheel}"),
 }
-ACROSS = ("force_y", "lateral_force")  # along y of the car, and across the wheel
+ACROSS = {"force_y": "tyre force along y of the car", "lateral_force": "tyre force across the wheel"}
+_AT_SPEED = f"at {SPEED:g} m/s"
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
@@ -51,10 +52,16 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
         for wheel in WHEEL_NAMES:
             for kind in ACROSS:
                 force = _when_fast(runs, name, lambda run, w=wheel, k=kind: OF_WHEEL[k](run, w, vehicle))
-                result[f"{kind}_{wheel}_{name}"] = metric(force, "N")
-        result[f"total_tyre_force_{name}"] = metric(_when_fast(runs, name, total_force), "N")
-        result[f"drive_energy_{name}"] = metric(_when_fast(runs, name, energy_since_turning_in), "J")
-        result[f"time_to_speed_{name}"] = metric(_when_fast(runs, name, time_since_turning_in), "s")
+                result[f"{kind}_{wheel}_{name}"] = metric(force, "N", f"{ACROSS[kind]} {_AT_SPEED}")
+        result[f"total_tyre_force_{name}"] = metric(
+            _when_fast(runs, name, total_force), "N", f"sum of all tyre forces {_AT_SPEED}"
+        )
+        result[f"drive_energy_{name}"] = metric(
+            _when_fast(runs, name, energy_since_turning_in), "J", f"work at the wheels since turning in, {_AT_SPEED}"
+        )
+        result[f"time_to_speed_{name}"] = metric(
+            _when_fast(runs, name, time_since_turning_in), "s", f"time since turning in, {_AT_SPEED}"
+        )
     driven = ScenarioRuns(runs, vehicle, parameters)
     return result | metrics_at_hand("tatar_chudzik", "tatar_chudzik", driven)
 

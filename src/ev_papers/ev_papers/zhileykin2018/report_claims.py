@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.zhileykin2018.grid import off_the_path
-from ev_papers.zhileykin2018.source import track
+from ev_papers.zhileykin2018.source import PEAK_SIDESLIP, track
 from ev_sim.figures.drawing import Figure, motion_panels, sheet
 from ev_sim.figures.other_axes import plan_view
 from ev_sim.measures.handling import peak_sideslip
@@ -19,10 +19,14 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     """Sideslip angles and, where a driver follows a path, distances from it."""
     result, driver = {}, parameters["driver"]
     for name in runs:
-        result[f"peak_sideslip_{name}"] = metric(lambda name=name: peak_sideslip(run_named(runs, name)), "rad")
+        result[f"peak_sideslip_{name}"] = metric(
+            lambda name=name: peak_sideslip(run_named(runs, name)), "rad", PEAK_SIDESLIP
+        )
         if driver.get("method") == "preview":
             result[f"off_the_path_{name}"] = metric(
-                lambda name=name: off_the_path(run_named(runs, name), driver["path.x"], driver["path.y"]), "m"
+                lambda name=name: off_the_path(run_named(runs, name), driver["path.x"], driver["path.y"]),
+                "m",
+                "largest distance from the path of the driver",
             )
     return result
 

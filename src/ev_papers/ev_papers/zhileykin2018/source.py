@@ -19,6 +19,7 @@ from ev_sim.figures.other_axes import plan_view
 from ev_sim.measures import motion
 from ev_sim.measures.handling import peak_sideslip
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
+from ev_sim.measures.registry import METRICS
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.check import measures_of
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
@@ -26,6 +27,7 @@ from ev_sim.verdicts.panels_page import PublishedPanel, cannot_be_drawn
 from ev_sim.verdicts.panels_page import over_time as drawn_over_time
 from ev_sim.verdicts.verdict import metrics_at_hand
 
+PEAK_SIDESLIP = METRICS["peak_sideslip"].formula
 ESTIMATED = "k1_estimated"  # observes the slip angles instead of knowing them
 
 
@@ -33,13 +35,21 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     """What is judged on these runs alone; sideslip angles, speeds in the end, and turn-arounds of the law's shares."""
     result = metrics_at_hand(SCENARIO, SCENARIO, ScenarioRuns(runs, vehicle, parameters))
     for name in runs:
-        result[f"peak_sideslip_{name}"] = metric(lambda name=name: peak_sideslip(run_named(runs, name)), "rad")
-        result[f"holds_{name}"] = metric(lambda name=name: peak_sideslip(run_named(runs, name)) < LIMIT, "1")
-        result[f"final_speed_{name}"] = metric(lambda name=name: _speed(run_named(runs, name))[-1], "m/s")
+        result[f"peak_sideslip_{name}"] = metric(
+            lambda name=name: peak_sideslip(run_named(runs, name)), "rad", PEAK_SIDESLIP
+        )
+        result[f"holds_{name}"] = metric(
+            lambda name=name: peak_sideslip(run_named(runs, name)) < LIMIT, "1", "1: that is below 15 deg; else 0"
+        )
+        result[f"final_speed_{name}"] = metric(
+            lambda name=name: _speed(run_named(runs, name))[-1], "m/s", "|V| in the end"
+        )
     for name in (*BY_LAW, ESTIMATED):
         for share, values in SHARES.items():
             result[f"turn_arounds_{share}_{name}"] = metric(
-                lambda name=name, values=values: turn_arounds(values(run_named(runs, name)), SWING), "1"
+                lambda name=name, values=values: turn_arounds(values(run_named(runs, name)), SWING),
+                "1",
+                f"how often the share turns round by more than {SWING:g}",
             )
     return result
 

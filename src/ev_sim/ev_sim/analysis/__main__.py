@@ -90,28 +90,34 @@ def drive_torques(vehicle: Vehicle, force: float) -> Wheels:
 
 
 def rows(vehicle: Vehicle, surface: str, model: SideSlipModel, plant: LinearisedPlant) -> list[tuple[str, float, str]]:
-    """What is printed: label, value, unit."""
+    """What is printed: label, value, unit; of the speeds those that the car has, W12 where a force drives the car."""
     front, rear = axle_masses(vehicle)
     front_stiffness, rear_stiffness = axle_cornering_stiffnesses(vehicle, surface)
     slow = np.array([0.0])
     yaw_gain = plant.response(slow)[0, 1].real
     poles = np.linalg.eigvals(plant.system.A)
+    speeds = [
+        ("characteristic speed", characteristic_speed(vehicle, surface), "m/s"),
+        ("critical speed", critical_speed(vehicle, surface), "m/s"),
+        ("tangent speed: no sideslip", tangent_speed(vehicle, surface), "m/s"),
+    ]
+    side_slip = [
+        ("acceleration", plant.acceleration, "m/s^2"),
+        ("W12 of Zhileykin (2018), eq 3: damping D", model.damping, "1/s"),
+        ("W12: excitation N, 0 if the car steers neutrally", model.excitation, "1/s"),
+        ("W12: steady dA/delta", model.excitation / model.damping, "1"),
+        ("front share that steers neutrally, 2 J_z/(m L^2)", model.neutral_share_of_acceleration, "1"),
+    ]
     return [
         ("mass on the front axle", front, "kg"),
         ("mass on the rear axle", rear, "kg"),
         ("cornering stiffness of the front axle", front_stiffness, "N/rad"),
         ("cornering stiffness of the rear axle", rear_stiffness, "N/rad"),
         ("understeer gradient", understeer_gradient(vehicle, surface), "rad s^2/m"),
-        ("characteristic speed", characteristic_speed(vehicle, surface), "m/s"),
-        ("critical speed", critical_speed(vehicle, surface), "m/s"),
-        ("tangent speed: no sideslip", tangent_speed(vehicle, surface), "m/s"),
+        *(row for row in speeds if math.isfinite(row[1])),
         ("speed of what follows", model.speed, "m/s"),
-        ("acceleration", plant.acceleration, "m/s^2"),
-        ("W12: damping D", model.damping, "1/s"),
-        ("W12: excitation N, 0 if the car steers neutrally", model.excitation, "1/s"),
-        ("front share that steers neutrally, 2 J_z/(m L^2)", model.neutral_share_of_acceleration, "1"),
-        ("steady dA/delta of W12", model.excitation / model.damping, "1"),
-        ("steady dA/delta of the linearised plant", float(plant.slip_angle_difference(slow)[0].real), "1"),
+        *(side_slip if model.drive_force else ()),
+        ("rear less front slip angle over road-wheel angle", float(plant.slip_angle_difference(slow)[0].real), "1"),
         ("steady yaw rate gain of the linearised plant", float(yaw_gain), "1/s"),
         ("slowest pole of the linearised plant", float(poles.real.max()), "1/s"),
     ]

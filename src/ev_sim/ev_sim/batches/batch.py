@@ -26,6 +26,7 @@ from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.batches import observer
 from ev_sim.batches.observer import Observation, Reduction, result
+from ev_sim.batches.whole_runs import WholeRuns
 from ev_sim.recording.offline import written_topics
 
 EVERY_ROLE = "*"
@@ -132,6 +133,7 @@ class Runs:
         initial_states: Mapping[str, np.ndarray],
         observation: observer.Observation,
         times: np.ndarray,
+        measures: WholeRuns | None = None,
     ) -> None:
         for role, configuration in configurations.items():
             law = configuration.method.law
@@ -143,6 +145,7 @@ class Runs:
         self._answering, self._integrating = roles_in_order(configurations)
         self._base, self._initial_states = configurations, initial_states
         self._observation, self._times = observation, times
+        self._measures = measures
         self._varied = {role: variation.configurations(role) for role in configurations}
         first = {role: varied[0] if varied else configurations[role] for role, varied in self._varied.items()}
         made = {role: method_part(configuration, compiled=True) for role, configuration in first.items()}
@@ -164,13 +167,17 @@ class Runs:
         """Drive one run; where a number is not finite it stops, and the answer is not empty."""
         before = [placed for role in self._answering for placed in self._placed(role, run)]
         behind = [placed for role in self._integrating for placed in self._placed(role, run)]
-        observing = (*self._observation.addresses(run), 0, 0)
-        rows = np.array([*(p.row for p in before), observing, *(p.row for p in behind)], np.int64)
+        whole = self._measures.observation() if self._measures else None
+        observing = [(*each.addresses(n), 0, 0) for each, n in ((self._observation, run), (whole, 0)) if each]
+        rows = np.array([*(p.row for p in before), *observing, *(p.row for p in behind)], np.int64)
         frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
-        if run_through(frames, self._times, rows, len(before) + 1, stopped) == FINISHED:
+        if run_through(frames, self._times, rows, len(before) + len(observing), stopped) == FINISHED:
+            if self._measures and whole:
+                of = {role: varied[run] if varied else self._base[role] for role, varied in self._varied.items()}
+                self._measures.take(run, whole, of)
             return ""
         instant, place, which = stopped.tolist()
-        role = [*(p.role for p in before), "", *(p.role for p in behind)][place]
+        role = [*(p.role for p in before), *("" for _ in observing), *(p.role for p in behind)][place]
         try:
             refuse_not_finite(frames[which], self._base[role].method.writes)
         except SignalError as error:
@@ -207,9 +214,9 @@ _PORTIONS = 16  # for each thread
 class BatchResult:
     """What is kept of the runs of a batch.
 
-    `metrics`: by name one number for each run, (runs,). `signals`: by channel the samples of each run at the instants
-    `time` [s], (runs, samples). `failed`: by number of the run what was not finite and when; such a run has stopped
-    there, its metrics and what would have come later are NaN.
+    `metrics`: by name one number for each run, (runs,), NaN where it cannot be measured. `signals`: by channel the
+    samples of each run at the instants `time` [s], (runs, samples). `failed`: by number of the run what was not finite
+    and when; such a run has stopped there, its metrics and what would have come later are NaN.
     """
 
     metrics: Mapping[str, np.ndarray]
@@ -229,33 +236,35 @@ def batch(
     initial_states: Mapping[str, Any] | None = None,
     signals: Sequence[str] = (),
     every: int = 1,
-    metrics: Mapping[str, Reduction] | None = None,
+    metrics: Mapping[str, Reduction] | Sequence[str] | None = None,
     threads: int | None = None,
 ) -> BatchResult:
     """Drive runs of a graph from rest to `duration` [s], as `run_offline` does each of them.
 
     `vary` has by ROLE.PARAMETER, or *.PARAMETER for all roles, one value for each run; `initial_states` by role one row
     of the method's state for each run, (runs, size). Each run keeps the channels in `signals` at every `every`-th
-    period, and `metrics`, reductions of channels over all periods (`observer`). Without `threads` there are as many as
-    cores. ParameterError if a name or value is refused, if the roles do not fit together, if a
+    period, and `metrics`: reductions of channels over all periods by name, gathered in the compiled loop (`observer`),
+    or texts as in the file of a scenario, computed from the true motion (`measures.expression`). Without `threads`
+    there are as many as cores. ParameterError if a name or value is refused, if the roles do not fit together, if a
     method runs in plain Python only, all before anything runs, or if a method cannot be made with the values of a run.
     """
     check_graph(configurations)
-    metrics = metrics or {}
+    reductions, texts = (metrics, ()) if isinstance(metrics, Mapping) else ({}, metrics or ())
     states = {role: np.atleast_2d(np.asarray(rows, float)) for role, rows in (initial_states or {}).items()}
     for role in states:
         if role not in configurations:
             raise unknown_name("role", role, configurations)
     variation = Variation(configurations, vary or {}, {role: len(rows) for role, rows in states.items()})
-    _refuse_channels(configurations, [*signals, *(reduction.channel for reduction in metrics.values())])
+    _refuse_channels(configurations, [*signals, *(reduction.channel for reduction in reductions.values())])
     if isinstance(every, bool) or not isinstance(every, int) or every < 1:
         raise ParameterError(f"every: {every!r} is refused, allowed is a whole number of periods, at least 1")
     period = next(iter(configurations.values())).period
     times = np.array([stamps.to_seconds(n * period) for n in range(stamps.from_seconds(duration) // period + 1)])
     if not len(times):
         raise ParameterError(f"duration: {duration!r} is refused, allowed is 0 s or more")
-    observation = Observation(signals, every, tuple(metrics.values()), variation.runs, len(times))
-    runs = Runs(configurations, variation, states, observation, times)
+    observation = Observation(signals, every, tuple(reductions.values()), variation.runs, len(times))
+    measures = WholeRuns(texts, configurations, variation.runs, times) if texts else None
+    runs = Runs(configurations, variation, states, observation, times, measures)
     workers = threads or len(os.sched_getaffinity(0))
     with ThreadPoolExecutor(workers) as pool:
         # In portions: handing over each run alone costs a tenth of making it; the last ones shall be short.
@@ -266,7 +275,10 @@ def batch(
     reduced = observation.reduced()
     reduced[list(failed)] = np.nan
     return BatchResult(
-        {name: result(m.kind, reduced[:, i], len(times)) for i, (name, m) in enumerate(metrics.items())},
+        {
+            **{name: result(m.kind, reduced[:, i], len(times)) for i, (name, m) in enumerate(reductions.items())},
+            **(measures.values if measures else {}),
+        },
         observation.signals(),
         times[::every],
         failed,

@@ -31,6 +31,7 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     way.add_argument("--in-process", action="store_true", help="all nodes in one process, over DDS")
     parser.add_argument("--realtime", action="store_true", help="by the wall clock instead of in lockstep")
     add_overrides(parser)
+    add_metrics(parser, "besides those of the scenario")
     add_outputs(parser)
     parser.add_argument(
         "--node", action="append", default=[], metavar="NODE=COMMAND", help="your own node in the place of ours"
@@ -64,6 +65,13 @@ def add_changes(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
     parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random")
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of every run")
+
+
+def add_metrics(parser: argparse.ArgumentParser, default: str) -> None:
+    """Declare the option that chooses metrics."""
+    parser.add_argument(
+        "--metrics", default="", metavar="NAME,NAME", help=f"docs/metrics.md, or 'NAME [UNIT] = EXPRESSION'; {default}"
+    )
 
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:

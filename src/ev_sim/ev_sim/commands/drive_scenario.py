@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import shutil
 import subprocess
@@ -11,18 +12,18 @@ from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
-from ev_msgs_py.refusal import LINE, quoted, shown, unknown_name
+from ev_core.parameters.data_file import TABLE, read_data
+from ev_msgs_py.refusal import LINE, quoted, shown
 from ev_sim.command_line.options import overrides, own_nodes
 from ev_sim.figures.saving import figure_files
+from ev_sim.measures.own_metrics import listed
 from ev_sim.recording.outcome import Outcome, RunFailed, progress_bar
-from ev_sim.recording.recording import OF_ALL_RUNS
+from ev_sim.recording.recording import OF_ALL_RUNS, SUMMARY
 from ev_sim.report.result import Result
 from ev_sim.report.tables import in_words, print_metrics
 from ev_sim.running.beforehand import compile_for
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios.about import is_path
-from ev_sim.scenarios.scenario import Run, load_scenario, scenario_names
-from ev_sim.study.study import study_names
+from ev_sim.scenarios.scenario import Run, load_scenario
 
 _MIDDLEWARE = "RMW_IMPLEMENTATION"
 _SHARED_MEMORY, _ROOM = "/dev/shm", 65536  # bytes; where there are fewer, LTTng of ROS 2 ends the process by SIGBUS
@@ -30,15 +31,14 @@ _SHARED_MEMORY, _ROOM = "/dev/shm", 65536  # bytes; where there are fewer, LTTng
 
 def drive_scenario(given: argparse.Namespace) -> None:
     """Drive all runs of a scenario and report; raises what `ev_sim.commands.run_scenario.main` catches."""
-    if not is_path(given.scenario) and given.scenario not in scenario_names():
-        raise unknown_name("scenario or study", given.scenario, [*scenario_names(), *study_names()])
-    scenario = load_scenario(given.scenario, overrides(given))
+    scenario = load_scenario(given.scenario, replace(overrides(given), metrics=listed(given.metrics)))
     _refuse_without_ros(given)
     out = given.out or Path("results") / scenario.name
     way = "offline" if given.offline else "in-process" if given.in_process else "processes"
     commands = {role: " ".join(words) for role, words in own_nodes(given).items()}
     mode = f"{way}, realtime" if given.realtime else way
     compile_for(scenario.runs, not given.offline, own_nodes(given))
+    before = _command_of(out)
     with OutputFolder(out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs) as folder:
         outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
         result = Result(scenario, outcomes, mode, commands, given.command)
@@ -48,6 +48,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
     print_metrics(summary.metrics)
     for note in summary.notes:
         print(f"note: {shown(note, LINE)}")
+    if before not in ("", given.command):
+        print(f"note: replaced the results of {shown(before, LINE)}; --out DIR keeps both")
     for reason in summary.not_reproducible:
         print(f"not reproducible: {reason}")
     for timing in summary.timing.values():
@@ -56,6 +58,14 @@ def drive_scenario(given: argparse.Namespace) -> None:
     print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
     page = "" if given.no_report else "report.html, "
     print(f"{page}figures, signals and summary: {folder.directory}")
+
+
+def _command_of(folder: Path) -> str:
+    """The command whose results are in a folder; empty if that is not known."""
+    try:
+        return str(json.loads(read_data(folder / SUMMARY, TABLE)).get("command", ""))
+    except (OSError, ValueError, AttributeError, RecursionError):
+        return ""
 
 
 def _refuse_without_ros(given: argparse.Namespace) -> None:

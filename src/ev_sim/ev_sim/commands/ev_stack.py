@@ -17,7 +17,7 @@ from ev_core.nodes.stop_request import (
     turn_deaf,
     was_interrupted,
 )
-from ev_msgs_py.refusal import quoted
+from ev_msgs_py.refusal import unknown_name
 from ev_sim.command_line.refusal import refuse
 
 COMMANDS = {  # name -> module and function that takes words, and what it does
@@ -28,6 +28,10 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
     "list": ("run_scenario.list_all", "scenarios, studies and methods, one line each"),
     "security_policies": ("live_graph.policies", "policies for DDS security, and the running graph against them"),
     "schema": ("exports.print_schema", "JSON Schema of scenario, vehicle and parameter files, for editors"),
+    "export": (
+        "exports.export_library",
+        "a car or its laws as a C library: ev-stack export SCENARIO --target TARGET --out DIR",
+    ),
     "fmu": (
         "exports.export_fmu",
         "a car or a law as an FMU (FMI 2.0 co-simulation): ev-stack fmu SCENARIO --out NAME.fmu",
@@ -46,6 +50,7 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
     "resume": ("shell.resume", "let it go on"),
     "step": ("shell.step", "let one step pass, or N, and stand still"),
     "reset": ("shell.reset", "begin anew at time zero"),
+    "bridge": ("bridges.bridge", "nodes for simulation_interfaces, Autoware, ackermann_msgs: bridge KIND"),
     "topic": ("shell.topic", "messages of a running graph as YAML: topic echo NAME"),
     "inspect": ("live_graph.inspect", "show the running graph: nodes, topics, rates"),
 }
@@ -78,7 +83,7 @@ def perform(words: Sequence[str]) -> None:
         print(f"ev-stack {version('ev_sim')}")
         return
     if words[0] not in COMMANDS:
-        print(f"ev-stack: unknown command {quoted(words[0])}; known: {', '.join(COMMANDS)}", file=sys.stderr)
+        print(f"ev-stack: {unknown_name('command', words[0], COMMANDS)}", file=sys.stderr)
         sys.exit(2)
     module, _, function = COMMANDS[words[0]][0].partition(".")
     try:

@@ -108,6 +108,36 @@ def export_fmu(argv: list[str]) -> None:
     print(f"{given.law or 'car'} of {run.name}: {given.out}")
 
 
+def export_library(argv: list[str]) -> None:
+    """ev-stack export SCENARIO --target TARGET --out DIR [--only ROLE,ROLE | --without ROLE,ROLE] [options]"""
+    from ev_sim.export.content import Content
+    from ev_sim.export.library import write_library
+    from ev_sim.export.targets import TARGETS, target_of
+    from ev_sim.interface.driving import only_run
+
+    parser = Parser(prog="ev-stack export", description="ev-stack export: a car or its laws as a C library.")
+    parser.add_argument("scenario", help="name of a scenario, or path of your own")
+    parser.add_argument("--run", default="", help="of a scenario with several runs")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--only", default="", metavar="ROLE,ROLE", help="these roles, such as asr; default: all")
+    what.add_argument("--without", default="", metavar="ROLE,ROLE", help="all but these, whose answers are inputs")
+    parser.add_argument("--target", required=True, metavar="TARGET", help=", ".join(TARGETS))
+    parser.add_argument("--name", default="", help="what names in C begin with; default: run and roles")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the files shall be")
+    add_overrides(parser)
+    given = parser.parse_args(argv)
+    try:
+        target = target_of(given.target)
+        run = only_run(given.scenario, given.run, overrides(given))
+        only, without = (words.split(",") if words else [] for words in (given.only, given.without))
+        content = Content(run, only, without)
+        name = given.name or "_".join([run.name, *only])
+        write_library(content, name, target, given.out)
+    except (ParameterError, OSError) as error:
+        refuse(error)
+    print(f"{name}: {', '.join(content.roles)} for {target.name} in {given.out}, hash {content.digest[:12]}")
+
+
 _NUMBER = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*"
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
 

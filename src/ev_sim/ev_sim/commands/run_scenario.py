@@ -10,11 +10,11 @@ from importlib import import_module
 
 from ev_core.methods.register import all_methods, not_loaded
 from ev_msgs_py.contract.fields import SignalError
-from ev_msgs_py.refusal import ParameterError, shown
+from ev_msgs_py.refusal import ParameterError, shown, unknown_name
 from ev_sim.command_line.options import TRACEBACK, arguments
 from ev_sim.command_line.refusal import refuse
 from ev_sim.recording.outcome import RunFailed
-from ev_sim.scenarios.about import describe_scenario
+from ev_sim.scenarios.about import describe_scenario, is_path
 from ev_sim.scenarios.scenario import scenario_names
 from ev_sim.study.study import study_named, study_names
 
@@ -37,6 +37,8 @@ def main(argv: list[str] | None = None) -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal may know ASCII only
     try:
+        if words and not words[0].startswith("-"):
+            refuse_unknown(words[0])  # before its options are, which may be those of the command that is meant
         if words and words[0] in study_names():
             from ev_sim.study.run_study import run_study
 
@@ -52,6 +54,7 @@ def main(argv: list[str] | None = None) -> None:
         else:
             from ev_sim.commands.drive_scenario import drive_scenario
 
+            refuse_unknown(given.scenario)
             drive_scenario(given)
         sys.stdout.flush()
     except BrokenPipeError:  # the reader, such as `head`, has seen enough; at its end Python would write the rest again
@@ -65,6 +68,13 @@ def main(argv: list[str] | None = None) -> None:
         if (why := _out_of_memory(error)) is None:
             raise
         refuse(f"out of memory{why}")
+
+
+def refuse_unknown(name: str) -> None:
+    """ParameterError for what is neither the path nor the name of a scenario, nor the name of another command."""
+    known = () if is_path(name) else (*scenario_names(), *study_names(), *REVIEWS)
+    if known and name not in known:
+        raise unknown_name("scenario, study or review", name, known)
 
 
 def list_all(argv: list[str]) -> None:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
+
 from ev_core.law import GRAVITY, BodyPose, atan2, compilable, cos, entry, hypot, parameter, setting, sin, sqrt, tan
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.driver.pedals import UNBOUNDED
@@ -89,6 +91,17 @@ def nearest(path: Path, x: float, y: float, leg: int) -> tuple[float, int]:
     elif passed > path.length[leg] and leg < last:
         passed = path.length[leg]
     return path.start[leg] + passed, leg
+
+
+def distances_from(path: Path, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Distance of each of some points (n,) [m] from a path, (n,) [m]; the first and the last leg go on for ever."""
+    found = np.full(len(x), np.inf)
+    for leg, length in enumerate(path.length):
+        low, high = 0.0 if leg else -np.inf, length if leg + 1 < len(path.length) else np.inf
+        passed = np.clip(passed_on(path, leg, x, y), low, high)
+        off = np.hypot(x - path.x[leg] - passed * path.along_x[leg], y - path.y[leg] - passed * path.along_y[leg])
+        found = np.minimum(found, off)
+    return found
 
 
 @compilable

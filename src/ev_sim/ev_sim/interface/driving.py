@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ Name = str | PathLike[str]  # or a path
 def run(
     scenario: Name,
     runs: Sequence[str] = (),
+    metrics: Sequence[str] = (),
     *,
     method: Mapping[str, str] | None = None,
     set: Mapping[str, Any] | None = None,
@@ -34,8 +36,8 @@ def run(
 ) -> Result:
     """Drive a scenario and give its signals, metrics, hash and figures: `ev_sim.run("shchur2019")`.
 
-    `scenario` is a name or the path of a YAML file; of its runs those in `runs` are driven, all if it is empty. What
-    differs from the scenario's file:
+    `scenario` is a name or the path of a YAML file; of its runs those in `runs` are driven, all if it is empty.
+    `metrics` are measured besides those of the scenario (docs/metrics.md). What differs from the scenario's file:
 
     - `method`: {"asr": "pi_slip"}, by node,
     - `set`: {"electronic_differential.gamma": 10.0}, by NODE.PARAMETER, where the node `*` is every node; a method that
@@ -47,7 +49,8 @@ def run(
 
     ParameterError, in one line, if something is refused; SignalError if a number is not finite.
     """
-    loaded = load_scenario(fspath(scenario), overrides(method, set, seed, duration, vehicle, params, cycle), only=runs)
+    changed = replace(overrides(method, set, seed, duration, vehicle, params, cycle), metrics=tuple(metrics))
+    loaded = load_scenario(fspath(scenario), changed, only=runs)
     compile_for(loaded.runs, in_nodes=False)
     return Result(loaded, {each.name: drive_offline(each) for each in loaded.runs})
 
@@ -58,7 +61,7 @@ def batch(
     run: str = "",
     signals: Sequence[str] = (),
     every: int = 1,
-    metrics: Mapping[str, Reduction] | None = None,
+    metrics: Mapping[str, Reduction] | Sequence[str] | None = None,
     initial_states: Mapping[str, Any] | None = None,
     threads: int | None = None,
     *,

@@ -198,6 +198,7 @@ class Simulation:
             self._here[self._inputs[name]] = value
         self._answer(self._behind)
         self._next[:] = self._here
+        self._next[frame.TIME] = self._time_of(self._instant + 1)  # by which faults know when they strike
         for role in self._integrating:
             self._call(role, self._here, self._next)
         if self._record:
@@ -224,7 +225,10 @@ class Simulation:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return stamps.to_seconds(self._instant * self.period)
+        return self._time_of(self._instant)
+
+    def _time_of(self, instant: int) -> float:
+        return stamps.to_seconds(instant * self.period)
 
     @property
     def frame(self) -> Mapping[str, float]:

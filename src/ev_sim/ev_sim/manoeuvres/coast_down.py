@@ -82,11 +82,21 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
         runs,
         lambda run: {
             "rolling_resistance": metric(
-                level(lambda: road_load(run, vehicle)[0]), "1", _described(rolling, "f_0")
+                level(lambda: road_load(run, vehicle)[0]),
+                "1",
+                "f_0 of m_e dV/dt = -m g f_0 - rho c_d A V^2/2, by least squares",
+                reference=_described(rolling, "f_0"),
             ),
-            "drag_area": metric(level(lambda: road_load(run, vehicle)[1]), "m^2", _described(area, "c_d A and k_f")),
-            "initial_deceleration": metric(level(lambda: decelerations(run)[1][0]), "m/s^2"),
-            "time_from_100_to_80_km_h": metric(level(lambda: _time_between(run)), "s"),
+            "drag_area": metric(
+                level(lambda: road_load(run, vehicle)[1]),
+                "m^2",
+                "c_d A of the same fit",
+                reference=_described(area, "c_d A and k_f"),
+            ),
+            "initial_deceleration": metric(
+                level(lambda: decelerations(run)[1][0]), "m/s^2", "mean of the first second"
+            ),
+            "time_from_100_to_80_km_h": metric(level(lambda: _time_between(run)), "s", "time from 100 to 80 km/h"),
         },
     )
 

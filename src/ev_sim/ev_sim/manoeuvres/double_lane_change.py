@@ -1,67 +1,116 @@
-"""Report on the lane changes of ISO 3888: cones hit, and what the car does on its way through the lanes."""
+"""Report on a course between cones, such as those of ISO 3888: who passes it, and what the car does on its way."""
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
+from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
+from ev_sim.driver.path import PathParameters, distances_from, path_of
 from ev_sim.figures.drawing import Curve, Figure, motion_panels, sheet
 from ev_sim.figures.other_axes import plan_view
 from ev_sim.measures import motion
-from ev_sim.measures.lane_change_course import DOUBLE_LANE_CHANGE, Course, cones, edges, hit_cones, lanes, side_of
-from ev_sim.measures.metric import Metric, Runs, channel, metric
+from ev_sim.measures.course import Course, cones, edges, hit_cones, lanes_driven, outside_lanes
+from ev_sim.measures.metric import HIGHER, LOWER, Metric, NotMeasured, Parameters, Runs, channel, metric
 from ev_sim.recording.recording import Recording
 
+_PATH = "path."
 
-def metrics_on(course: Course, runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
-    """Cones hit, speed at the entry and largest values between the first and the last cone, for each run."""
+
+def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course) -> dict[str, Metric]:
+    """Whether the course is passed, cones hit, speeds, and largest values between the first and the last cone.
+
+    Without a course in the scenario the values are those of the whole run.
+    """
 
     def of(run: Recording) -> dict[str, Metric]:
         def hit() -> int:
-            _on_course(course, run, vehicle)  # who leaves the course early spares its cones
-            return np.count_nonzero(hit_cones(run, vehicle, course))
+            _end_of_course(run, vehicle, course)  # who leaves the course early spares its cones
+            count = np.count_nonzero(hit_cones(run, vehicle, course))
+            if not count and (left := _left(run, vehicle, parameters, course)):
+                raise NotMeasured(left)  # no cone stands where the car was
+            return count
+
+        def passed() -> bool:
+            lanes_driven(run, vehicle, course)
+            if _left(run, vehicle, parameters, course) or hit_cones(run, vehicle, course).any():
+                return False
+            _end_of_course(run, vehicle, course)
+            return True
+
+        def at(which: int) -> float:
+            return motion.path_speed(run)[_on_course(run, vehicle, course)][which]
 
         def largest(values) -> float:
-            return np.abs(values(run)[_on_course(course, run, vehicle)]).max()
+            return np.abs(values(run)[_on_course(run, vehicle, course)]).max()
+
+        def of_channel(name: str) -> float:
+            return largest(lambda run: channel(run, name))
 
         return {
-            "cones_hit": metric(hit, "1"),
-            "entry_speed": metric(lambda: motion.path_speed(run)[_on_course(course, run, vehicle)][0], "m/s"),
-            "exit_speed": metric(lambda: motion.path_speed(run)[_on_course(course, run, vehicle)][-1], "m/s"),
-            "peak_lateral_acceleration": metric(lambda: largest(motion.lateral_acceleration_on_path), "m/s^2"),
-            "peak_sideslip_angle": metric(lambda: largest(motion.sideslip_angle), "rad"),
-            "peak_yaw_rate": metric(lambda: largest(lambda run: channel(run, motion.YAW_RATE)), "rad/s"),
+            "course_passed": metric(
+                passed, "1", "1: in the lanes and on the road to the end, no cone hit; else 0", HIGHER
+            ),
+            "cones_hit": metric(hit, "1", "cones that came to lie under the body", LOWER),
+            "entry_speed": metric(lambda: at(0), "m/s", "V at the first cone"),
+            "exit_speed": metric(lambda: at(-1), "m/s", "V at the last cone", HIGHER),
+            "peak_lateral_acceleration": metric(
+                lambda: largest(motion.lateral_acceleration_on_path),
+                "m/s^2",
+                "largest magnitude across the path, on the course",
+            ),
+            "peak_sideslip_angle": metric(
+                lambda: largest(motion.sideslip_angle), "rad", "max |beta| on the course", LOWER
+            ),
+            "peak_yaw_rate": metric(lambda: of_channel(motion.YAW_RATE), "rad/s", "max |r| on the course", LOWER),
             "peak_steering_wheel_angle": metric(
-                lambda: largest(lambda run: channel(run, motion.STEERING_WHEEL_ANGLE)), "rad"
+                lambda: of_channel(motion.STEERING_WHEEL_ANGLE), "rad", "largest magnitude on the course", LOWER
             ),
         }
 
     return motion.of_each_run(runs, of)
 
 
-def figures_on(course: Course, runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, course: Course) -> dict[str, Figure]:
     """The course with its cones and the car's path, and the motion over time."""
-    run = next(iter(runs.values()))
+    name, run = next(iter(runs.items()))
     tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), "centre of mass")]
-    tracks += [Curve(x, y, f"{side} side") for side, (x, y) in zip(("left", "right"), edges(run, vehicle), strict=True)]
+    sides = zip(("left", "right"), edges(run, vehicle, course), strict=True)
+    tracks += [Curve(x, y, f"{side} side") for side, (x, y) in sides]
+    marked = [cones(run, vehicle, course), hit_cones(run, vehicle, course)] if course.begin else []
     names = ("steering_wheel_angle", "lateral_acceleration", "yaw_rate", "sideslip_angle")
     return {
-        "course": plan_view(
-            course.name, tracks, cones(vehicle, side_of(run, course), course), hit_cones(run, vehicle, course)
-        ),
+        "course": plan_view(course.title or name.replace("_", " "), tracks, *marked),
         "motion": sheet(motion_panels(runs, *names), "time [s]"),
     }
 
 
-def _on_course(course: Course, run: Recording, vehicle: Vehicle) -> np.ndarray:
+def _end_of_course(run: Recording, vehicle: Vehicle, course: Course) -> int:
+    """Index of the first sample behind the last cone; NotMeasured if the car never is there."""
+    end = lanes_driven(run, vehicle, course)[-1].end
+    return motion.first(channel(run, "pose.x") >= end, "the end of the course")
+
+
+def _on_course(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
     """Which samples lie between the first and the last cone, (n,) bool; NotMeasured if the last one is not reached."""
     x = channel(run, "pose.x")
-    through = lanes(vehicle, side_of(run, course), course)
-    first, last = through[0].start, through[-1].end
-    end = motion.first(x >= last, "the end of the course")
-    return (x >= first) & (np.arange(len(x)) <= end)
+    if not course.begin:
+        return np.ones(len(x), bool)
+    return (x >= course.begin[0]) & (np.arange(len(x)) <= _end_of_course(run, vehicle, course))
 
 
-metrics, figures = partial(metrics_on, DOUBLE_LANE_CHANGE), partial(figures_on, DOUBLE_LANE_CHANGE)
+def _left(run: Recording, vehicle: Vehicle, parameters: Parameters, course: Course) -> str:
+    """Where the car left the course up to its end, in a line: a lane, or the road of the driver's path; empty if not.
+
+    That of the driver's path is as wide as `driver.path.width`.
+    """
+    path = {name: value for name, value in parameters.get("driver", {}).items() if name.startswith(_PATH)}
+    x, y = channel(run, "pose.x"), channel(run, "pose.y")
+    behind = x > course.end[-1]
+    until = int(behind.argmax()) if behind.any() else len(x)
+    outside = {"its lane": outside_lanes(run, vehicle, course)}
+    if path:
+        of = build(PathParameters, path, _PATH)
+        outside["the road"] = distances_from(path_of(of), x, y) > of.width / 2
+    first = sorted((int(where.argmax()), what) for what, where in outside.items() if where[:until].any())
+    return f"the car left {first[0][1]} at {run.time[first[0][0]]:.2f} s" if first else ""

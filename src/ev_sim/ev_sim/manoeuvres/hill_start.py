@@ -7,7 +7,7 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_sim.figures.drawing import Curve, Figure, over_time, panel, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, Runs, channel, metric
+from ev_sim.measures.metric import LOWER, Metric, NotMeasured, Runs, channel, metric
 from ev_sim.recording.recording import Recording
 
 ROLLING_SPEED = 0.1  # [m/s], above it the car has pulled away and slip is more than the first turn of a wheel
@@ -30,12 +30,26 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
             return float(np.count_nonzero(np.diff(np.sign(_slips(run, vehicle)), axis=-1)))
 
         return {
-            "holding_time": metric(lambda: run.time[_release(run)] - run.time[0], "s"),
-            "movement_while_holding": metric(moved, "m"),
-            "roll_back": metric(lambda: max(0.0, float(-_uphill(run)[_release(run) :].min())), "m"),
-            "time_for_one_metre": metric(first_metre, "s"),
-            "peak_slip": metric(lambda: np.abs(_slips(run, vehicle)).max(), "1"),
-            "slip_sign_changes": metric(sign_changes, "1"),
+            "holding_time": metric(
+                lambda: run.time[_release(run)] - run.time[0], "s", "from the start to the first release of the brake"
+            ),
+            "movement_while_holding": metric(moved, "m", "largest distance from the start until then", LOWER),
+            "roll_back": metric(
+                lambda: max(0.0, float(-_uphill(run)[_release(run) :].min())),
+                "m",
+                "largest way against the drive torque after the release",
+                LOWER,
+            ),
+            "time_for_one_metre": metric(
+                first_metre, "s", "from the release to 1 m in the direction of the drive torque", LOWER
+            ),
+            "pull_away_peak_slip": metric(
+                lambda: np.abs(_slips(run, vehicle)).max(),
+                "1",
+                "max |slip ratio| of the driven wheels from 0.1 m/s on",
+                LOWER,
+            ),
+            "slip_sign_changes": metric(sign_changes, "1", "changes of the sign of their slip ratios", LOWER),
         }
 
     return motion.of_each_run(runs, of)

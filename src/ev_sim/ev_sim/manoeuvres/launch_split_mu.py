@@ -10,7 +10,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_sim.figures.drawing import Curve, Figure, degrees, motion_panels, over_time, panel, sheet
 from ev_sim.figures.other_axes import plan_view
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, Runs, channel, metric, run_named
+from ev_sim.measures.metric import LOWER, Metric, NotMeasured, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
 
 
@@ -52,14 +52,32 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
             return motion.value_at(run, distance, _reached(run)) - distance[_launch(run).start]
 
         return {
-            "time_to_5_m_s": metric(lambda: _reached(run) - run.time[_launch(run).start], "s"),
-            "distance_to_5_m_s": metric(way, "m"),
-            "peak_yaw_rate": metric(lambda: np.abs(channel(run, motion.YAW_RATE)[_launch(run)]).max(), "rad/s"),
-            "peak_yaw_deviation": metric(lambda: by_then(motion.heading(run)), "rad"),
-            "peak_lateral_deviation": metric(lambda: by_then(motion.way_aside(run, _launch(run).start)), "m"),
-            "peak_steering_wheel_angle": metric(lambda: by_then(channel(run, motion.STEERING_WHEEL_ANGLE)), "rad"),
+            "time_to_5_m_s": metric(
+                lambda: _reached(run) - run.time[_launch(run).start], "s", "from the first drive torque to 5 m/s", LOWER
+            ),
+            "distance_to_5_m_s": metric(way, "m", "way of the centre of mass by then", LOWER),
+            "peak_yaw_rate": metric(
+                lambda: np.abs(channel(run, motion.YAW_RATE)[_launch(run)]).max(), "rad/s", "max |r| by then", LOWER
+            ),
+            "peak_yaw_deviation": metric(
+                lambda: by_then(motion.heading(run)), "rad", "max |change of the heading| by then", LOWER
+            ),
+            "peak_lateral_deviation": metric(
+                lambda: by_then(motion.way_aside(run, _launch(run).start)),
+                "m",
+                "max |way across the first heading| by then",
+                LOWER,
+            ),
+            "peak_steering_wheel_angle": metric(
+                lambda: by_then(channel(run, motion.STEERING_WHEEL_ANGLE)),
+                "rad",
+                "max |change of the steering-wheel angle| by then",
+                LOWER,
+            ),
             **{
-                f"{wheel}_peak_slip": metric(lambda wheel=wheel: _slip(run, wheel), "1")
+                f"{wheel}_peak_slip": metric(
+                    lambda wheel=wheel: _slip(run, wheel), "1", "max |slip ratio| by then, above 0.1 m/s", LOWER
+                )
                 for wheel in vehicle.driven_wheels
             },
         }

@@ -15,7 +15,7 @@ import numpy as np
 from ev_core.vehicle.car import GRAVITY
 from ev_sim.figures.drawing import Curve, Figure, motion_panels, over_time, panel, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotJudged, NotMeasured, Runs, channel, metric, run_named
+from ev_sim.measures.metric import HIGHER, LOWER, Metric, NotJudged, NotMeasured, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.slow_ramp import angle_at
 
@@ -32,23 +32,39 @@ YAW_LIMITS = ((1.0, 35.0), (1.75, 20.0))  # [s] after the completion of steer, [
 
 def metrics(runs: Runs) -> dict[str, Metric]:
     """The angle A, and for each sine its amplitude over A, yaw rate ratios, lateral displacement and verdict."""
-    result = {"steering_wheel_angle_at_0_3_g": metric(lambda: _reference_angle(runs), "rad")}
+    result = {
+        "steering_wheel_angle_at_0_3_g": metric(
+            lambda: _reference_angle(runs), "rad", "A: angle at 0.3 g on a slow ramp (FMVSS 126, S7.6)"
+        )
+    }
     for name, run in _sines(runs).items():
         result[f"{name}_amplitude"] = metric(
-            lambda run=run: np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)).max(), "rad"
+            lambda run=run: np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)).max(), "rad", "max |steering-wheel angle|"
         )
-        result[f"{name}_amplitude_over_a"] = metric(lambda run=run: _multiple(run, runs), "1")
+        result[f"{name}_amplitude_over_a"] = metric(lambda run=run: _multiple(run, runs), "1", "the same over A")
         for delay, _ in YAW_LIMITS:
             key = f"{delay:.2f}".replace(".", "_")
             result[f"{name}_yaw_rate_ratio_{key}_s"] = metric(
-                lambda run=run, delay=delay: _yaw_rate_ratio(run, delay), "%"
+                lambda run=run, delay=delay: _yaw_rate_ratio(run, delay),
+                "%",
+                f"r {delay:g} s after the completion of steer over its second peak",
+                LOWER,
             )
-        result[f"{name}_lateral_displacement"] = metric(lambda run=run: _displacement(run, _beginning(run)), "m")
-        result[f"{name}_lateral_displacement_from_zero"] = metric(
-            lambda run=run: _displacement(run, float(run.time[_steering(run)[0]])), "m"
+        result[f"{name}_lateral_displacement"] = metric(
+            lambda run=run: _displacement(run, _beginning(run)), "m", "way aside 1.07 s after 5 deg", HIGHER
         )
-        result[f"{name}_peak_sideslip_angle"] = metric(lambda run=run: np.abs(motion.sideslip_angle(run)).max(), "rad")
-        result[f"{name}_passed"] = metric(lambda name=name: _passes(name, runs), "1")
+        result[f"{name}_lateral_displacement_from_zero"] = metric(
+            lambda run=run: _displacement(run, float(run.time[_steering(run)[0]])),
+            "m",
+            "way aside 1.07 s after the last instant at 0 deg",
+            HIGHER,
+        )
+        result[f"{name}_peak_sideslip_angle"] = metric(
+            lambda run=run: np.abs(motion.sideslip_angle(run)).max(), "rad", "max |beta|", LOWER
+        )
+        result[f"{name}_passed"] = metric(
+            lambda name=name: _passes(name, runs), "1", "1: within the limits of FMVSS 126; else 0", HIGHER
+        )
     return result
 
 

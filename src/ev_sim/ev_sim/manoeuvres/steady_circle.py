@@ -17,7 +17,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
 from ev_sim.figures.other_axes import plan_view
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, Reference, Runs, channel, metric, within
+from ev_sim.measures.metric import HIGHER, Metric, NotMeasured, Reference, Runs, channel, metric, within
 from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 from ev_sim.recording.recording import Recording
 
@@ -46,15 +46,21 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
             f"{name}_understeer_gradient": metric(
                 lambda run=run: _gradient(run, _excess_angle(run, vehicle)),
                 "rad s^2/m",
-                _reference(closed[0], "m (b/C_f - a/C_r)/L") if closed else None,
+                "slope of delta - L/R over a_y from 0.5 to 4 m/s^2 (ISO 4138)",
+                reference=_reference(closed[0], "m (b/C_f - a/C_r)/L") if closed else None,
             ),
             f"{name}_sideslip_gradient": metric(
                 lambda run=run: _gradient(run, _excess_sideslip(run, vehicle)),
                 "rad s^2/m",
-                _reference(closed[1], "-m a/(C_r L)") if closed else None,
+                "slope of beta - b/R over a_y from 0.5 to 4 m/s^2",
+                reference=_reference(closed[1], "-m a/(C_r L)") if closed else None,
             ),
-            f"{name}_maximum_lateral_acceleration": metric(lambda run=run: _inward_acceleration(run).max(), "m/s^2"),
-            f"{name}_lowest_speed_radius": metric(lambda run=run: 1 / float(_curvature(run)[steady(run).start]), "m"),
+            f"{name}_maximum_lateral_acceleration": metric(
+                lambda run=run: _inward_acceleration(run).max(), "m/s^2", "max a_y across the path", HIGHER
+            ),
+            f"{name}_lowest_speed_radius": metric(
+                lambda run=run: 1 / float(_curvature(run)[steady(run).start]), "m", "V^2/a_y once it is steady"
+            ),
         }
     return result
 

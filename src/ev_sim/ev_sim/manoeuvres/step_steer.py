@@ -12,7 +12,7 @@ import numpy as np
 
 from ev_sim.figures.drawing import Figure, motion_panels, sheet
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, Runs, channel, last, mean_between, metric
+from ev_sim.measures.metric import LOWER, Metric, NotMeasured, Runs, channel, last, mean_between, metric
 from ev_sim.recording.recording import Recording
 
 STEADY_WINDOW = 1.0  # [s]
@@ -87,14 +87,27 @@ def _metrics(run: Recording) -> dict[str, Metric]:
         return response(run, motion.sideslip_angle(run)).steady
 
     return {
-        "steering_wheel_angle": metric(steering, "rad"),
-        "lateral_acceleration": metric(lambda: lateral().steady, "m/s^2"),
-        "yaw_rate_response_time": metric(lambda: yaw().response_time, "s"),
-        "yaw_rate_peak_response_time": metric(lambda: yaw().peak_time, "s"),
-        "yaw_rate_overshoot": metric(lambda: yaw().overshoot, "%"),
-        "yaw_rate_gain": metric(lambda: yaw().steady / steering(), "1/s"),
-        "lateral_acceleration_response_time": metric(lambda: lateral().response_time, "s"),
-        "lateral_acceleration_gain": metric(lambda: lateral().steady / steering(), "m/(s^2 rad)"),
-        "sideslip_angle_gain": metric(lambda: sideslip() / steering(), "1"),
-        "tb_factor": metric(lambda: yaw().peak_time * abs(np.degrees(sideslip())), "deg s"),
+        "steering_wheel_angle": metric(steering, "rad", "mean of the last second"),
+        "lateral_acceleration": metric(lambda: lateral().steady, "m/s^2", "mean of the last second"),
+        "yaw_rate_response_time": metric(
+            lambda: yaw().response_time, "s", "from half of the step to 90 % of the steady r (ISO 7401)", LOWER
+        ),
+        "yaw_rate_peak_response_time": metric(
+            lambda: yaw().peak_time, "s", "from half of the step to the peak of r", LOWER
+        ),
+        "yaw_rate_overshoot": metric(lambda: yaw().overshoot, "%", "100 (peak/steady r - 1)", LOWER),
+        "yaw_rate_gain": metric(lambda: yaw().steady / steering(), "1/s", "steady r over steering-wheel angle"),
+        "lateral_acceleration_response_time": metric(
+            lambda: lateral().response_time, "s", "from half of the step to 90 % of the steady a_y", LOWER
+        ),
+        "lateral_acceleration_gain": metric(
+            lambda: lateral().steady / steering(), "m/(s^2 rad)", "steady a_y over steering-wheel angle"
+        ),
+        "sideslip_angle_gain": metric(lambda: sideslip() / steering(), "1", "steady beta over steering-wheel angle"),
+        "tb_factor": metric(
+            lambda: yaw().peak_time * abs(np.degrees(sideslip())),
+            "deg s",
+            "peak response time of r times |steady beta|",
+            LOWER,
+        ),
     }

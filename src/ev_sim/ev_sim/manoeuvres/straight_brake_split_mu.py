@@ -9,7 +9,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.figures.drawing import Figure
 from ev_sim.manoeuvres.launch_split_mu import split_friction_figures
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, Runs, channel, metric
+from ev_sim.measures.metric import HIGHER, LOWER, Metric, Runs, channel, metric
 from ev_sim.recording.recording import Recording
 
 STANDING = 0.1  # [m/s], the car counts as stopped
@@ -29,18 +29,57 @@ def metrics(runs: Runs) -> dict[str, Metric]:
 
     def of(run: Recording) -> dict[str, Metric]:
         return {
-            "initial_speed": metric(lambda: initial_speed(run), "m/s"),
-            "stopping_distance": metric(lambda: stopping_distance(run), "m"),
-            "mean_deceleration": metric(lambda: initial_speed(run) ** 2 / (2 * stopping_distance(run)), "m/s^2"),
-            "yaw_rate_after_1_s": metric(lambda: _after_a_second(run, channel(run, motion.YAW_RATE)), "rad/s"),
-            "peak_yaw_rate": metric(lambda: np.abs(channel(run, motion.YAW_RATE)[_braking(run)]).max(), "rad/s"),
-            "yaw_deviation_after_1_s": metric(lambda: _after_a_second(run, motion.heading(run)), "rad"),
-            "peak_yaw_deviation": metric(lambda: _largest_deviation(run, motion.heading(run)), "rad"),
-            "peak_lateral_deviation": metric(lambda: _largest_deviation(run, motion.way_aside(run, _onset(run))), "m"),
-            "peak_steering_wheel_angle": metric(
-                lambda: np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)[_braking(run)]).max(), "rad"
+            "initial_speed": metric(lambda: initial_speed(run), "m/s", "V at the onset of braking"),
+            "stopping_distance": metric(
+                lambda: stopping_distance(run), "m", "way from the onset of braking to 0.1 m/s", LOWER
             ),
-            **{f"{wheel}_locked": metric(lambda wheel=wheel: _locked(run, wheel), "%") for wheel in WHEEL_NAMES},
+            "mean_deceleration": metric(
+                lambda: initial_speed(run) ** 2 / (2 * stopping_distance(run)),
+                "m/s^2",
+                "V^2/(2 stopping distance)",
+                HIGHER,
+            ),
+            "yaw_rate_after_1_s": metric(
+                lambda: _after_a_second(run, channel(run, motion.YAW_RATE)),
+                "rad/s",
+                "r 1 s after the onset (ISO 14512)",
+            ),
+            "peak_yaw_rate": metric(
+                lambda: np.abs(channel(run, motion.YAW_RATE)[_braking(run)]).max(),
+                "rad/s",
+                "max |r| until the stop",
+                LOWER,
+            ),
+            "yaw_deviation_after_1_s": metric(
+                lambda: _after_a_second(run, motion.heading(run)), "rad", "change of the heading in 1 s (ISO 14512)"
+            ),
+            "peak_yaw_deviation": metric(
+                lambda: _largest_deviation(run, motion.heading(run)),
+                "rad",
+                "max |change of the heading| until the stop",
+                LOWER,
+            ),
+            "peak_lateral_deviation": metric(
+                lambda: _largest_deviation(run, motion.way_aside(run, _onset(run))),
+                "m",
+                "max |way across the heading at the onset|",
+                LOWER,
+            ),
+            "peak_steering_wheel_angle": metric(
+                lambda: np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)[_braking(run)]).max(),
+                "rad",
+                "largest magnitude until the stop",
+                LOWER,
+            ),
+            **{
+                f"{wheel}_locked": metric(
+                    lambda wheel=wheel: _locked(run, wheel),
+                    "%",
+                    "share of the time above 2 m/s with a slip ratio below -0.95",
+                    LOWER,
+                )
+                for wheel in WHEEL_NAMES
+            },
         }
 
     return motion.of_each_run(runs, of)

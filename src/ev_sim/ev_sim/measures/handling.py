@@ -70,7 +70,7 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
     turned = angle * (1.0 - vehicle.rear_steering_ratio) - run.channels.get("rear_steering.state.angle", 0.0)
     wanted = speed * turned / (vehicle.wheelbase + understeer_gradient(vehicle) * speed**2)
     if f"tire_forces.friction_coefficient.{WHEEL_NAMES[0]}" in run.channels:
-        friction = np.mean(_of_wheels(run, "tire_forces.friction_coefficient"), axis=0)
+        friction = np.mean(of_wheels(run, "tire_forces.friction_coefficient"), axis=0)
         limit = friction * GRAVITY / np.maximum(np.abs(speed), motion.SLOWEST)
         wanted = np.clip(wanted, -limit, limit)
     error = (channel(run, motion.YAW_RATE) - wanted)[motion.moving(run)]
@@ -81,7 +81,7 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
 
 def peak_slip_ratio(run: Recording) -> float:
     """Largest magnitude of the slip ratio of any wheel while the car moves [1]."""
-    return float(np.abs(_of_wheels(run, "tire_forces.slip_ratio") * motion.moving(run)).max())
+    return float(np.abs(of_wheels(run, "tire_forces.slip_ratio") * motion.moving(run)).max())
 
 
 def slip_energy(run: Recording, vehicle: Vehicle) -> float:
@@ -121,14 +121,14 @@ def time_over_limit(run: Recording, vehicle: Vehicle, surfaces: Iterable[Surface
     The slip is the resultant of slip ratio and sine of the slip angle; `surfaces` are those of the road, of which that
     one lies under a wheel whose friction is closest to the one that is available there.
     """
-    friction = _of_wheels(run, "tire_forces.friction_coefficient")
+    friction = of_wheels(run, "tire_forces.friction_coefficient")
     known = _peak_slips(vehicle, surfaces)
     if not known:
         raise NotMeasured("the surfaces of the road are not known")
     available, peaks = np.array(list(known.items())).T
     limit = peaks[np.abs(friction[..., None] - available).argmin(axis=-1)]
-    across = np.sin(_of_wheels(run, "tire_forces.slip_angle"))
-    over = (np.hypot(_of_wheels(run, "tire_forces.slip_ratio"), across) > limit).any(axis=0) & motion.moving(run)
+    across = np.sin(of_wheels(run, "tire_forces.slip_angle"))
+    over = (np.hypot(of_wheels(run, "tire_forces.slip_ratio"), across) > limit).any(axis=0) & motion.moving(run)
     return float(np.diff(run.time)[over[1:]].sum())
 
 
@@ -140,7 +140,8 @@ def _peak_slips(vehicle: Vehicle, surfaces: Iterable[Surface]) -> Mapping[float,
     }
 
 
-def _of_wheels(run: Recording, quantity: str) -> np.ndarray:
+def of_wheels(run: Recording, quantity: str) -> np.ndarray:
+    """The channels of a quantity of all four wheels, (4, n), in its unit."""
     return np.array([channel(run, f"{quantity}.{wheel}") for wheel in WHEEL_NAMES])
 
 
@@ -160,7 +161,7 @@ def when_passing(run: Recording, speed: float, values: np.ndarray) -> float:
 
 def total_force(run: Recording) -> np.ndarray:
     """Sum of the magnitudes of the four tyre forces in the plane of the road, (n,) [N]."""
-    along, across = (_of_wheels(run, f"tire_forces.{kind}_force") for kind in ("longitudinal", "lateral"))
+    along, across = (of_wheels(run, f"tire_forces.{kind}_force") for kind in ("longitudinal", "lateral"))
     return np.hypot(along, across).sum(axis=0)
 
 

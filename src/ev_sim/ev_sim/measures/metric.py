@@ -1,9 +1,8 @@
-"""A number that a run yields beside the published one, reading samples for it, and metrics of any scenario."""
+"""A number that a run yields, beside the published one, and reading samples for it."""
 
 from __future__ import annotations
 
 import math
-import re
 import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,9 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.bus.parameters import CIRCUITS
-from ev_msgs_py.contract import frame
-from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.recording.recording import Recording
 
 Band = tuple[float, float]  # an end that is not finite is open
@@ -22,6 +18,7 @@ NOT_REPRODUCED = "not reproduced"
 NOT_MEASURED = "not measured"
 NOT_JUDGED = "not judged"
 FROM_INPUTS = "follows from the inputs"
+LOWER, HIGHER = "lower", "higher"  # which values of a metric are better; empty where neither is
 
 
 class NotMeasured(Exception):
@@ -55,6 +52,7 @@ class Metric:
     `unjudged` says why the reference does not bind it, such as another law than that of the source, or why there is no
     value to a verdict of its own.
     Of several seeds `value` is the mean, `per_seed` holds the single values in the order of the seeds.
+    `formula` says in one line what is computed, `better` which values are better: LOWER, HIGHER or "" for neither.
     """
 
     value: float | None
@@ -63,6 +61,8 @@ class Metric:
     reason: str = ""
     per_seed: tuple[float, ...] = ()
     unjudged: str = ""
+    formula: str = ""
+    better: str = ""
 
     @property
     def standard_deviation(self) -> float | None:
@@ -108,6 +108,7 @@ class Metric:
         return {
             "value": self.value,
             "unit": self.unit,
+            **{name: text for name in ("formula", "better") if (text := getattr(self, name))},
             **({"std": self.standard_deviation, "per_seed": list(self.per_seed)} if self.per_seed else {}),
             "reference": reference.value if reference else None,
             "band": [end if math.isfinite(end) else None for end in reference.band] if reference else None,
@@ -117,17 +118,23 @@ class Metric:
         }
 
 
-def metric(measure: Callable[[], float], unit: str, reference: Reference | None = None) -> Metric:
+def metric(
+    measure: Callable[[], float], unit: str, formula: str = "", better: str = "", reference: Reference | None = None
+) -> Metric:
     """The metric that `measure` returns; what raises NotMeasured or is not finite becomes a metric without value."""
+
+    def without_value(reason: str = "", unjudged: str = "") -> Metric:
+        return Metric(None, unit, reference, reason, unjudged=unjudged, formula=formula, better=better)
+
     try:
         value = float(measure())
     except NotJudged as why:
-        return Metric(None, unit, reference, unjudged=str(why))
+        return without_value(unjudged=str(why))
     except NotMeasured as why:
-        return Metric(None, unit, reference, str(why))
+        return without_value(str(why))
     if not math.isfinite(value):
-        return Metric(None, unit, reference, f"the result is {value}")
-    return Metric(value, unit, reference)
+        return without_value(f"the result is {value}")
+    return Metric(value, unit, reference, formula=formula, better=better)
 
 
 def mean_over_seeds(values: Sequence[float], unit: str, reference: Reference | None = None) -> Metric:
@@ -193,53 +200,3 @@ def last(recording: Recording, window: float) -> tuple[float, float]:
         raise NotMeasured("the run has no samples")
     end = float(recording.time[-1])
     return end - window, end
-
-
-REDUCTIONS = {
-    "minimum": np.min,
-    "maximum": np.max,
-    "largest_magnitude": lambda values: np.abs(values).max(),
-    "last": lambda values: values[-1],
-    "mean": np.mean,
-    "root_mean_square": lambda values: np.sqrt(np.mean(values * values)),
-}
-_FORM = re.compile(r"\s*(\w+)\s*=\s*(\w+)\s*\(\s*([\w.]+)\s*\)\s*")
-
-
-def parsed(text: str) -> tuple[str, str, str]:
-    """Name, reduction and channel of a metric; ParameterError if one of them is none."""
-    found = _FORM.fullmatch(text)
-    if found is None:
-        raise ParameterError(f"metrics: {quoted(text)} is refused, allowed is NAME = REDUCTION(CHANNEL)")
-    name, reduction, channel_name = found.groups()
-    if reduction not in REDUCTIONS:
-        raise unknown_name("reduction", reduction, REDUCTIONS)
-    if channel_name not in frame.channels():
-        raise unknown_name("channel", channel_name, frame.channels())
-    return name, reduction, channel_name
-
-
-def own_metrics(texts: Sequence[str], runs: Runs) -> dict[str, Metric]:
-    """The metrics of each run; the name of the run stands in front if there are several."""
-    found = {}
-    for name, reduction, channel_name in map(parsed, texts):
-        for run, recording in runs.items():
-            key = f"{run}_{name}" if len(runs) > 1 else name
-            found[key] = metric(
-                lambda of=recording, reduce=REDUCTIONS[reduction], name=channel_name: reduce(channel(of, name)),
-                frame.units()[channel_name],
-            )
-    return found
-
-
-def bus_metrics(run: Recording) -> dict[str, Metric]:
-    """Of each channel mean load, longest latency, its jitter from period to period, frames lost; none without a bus."""
-    found = {}
-    for circuit in CIRCUITS if f"can.bus.load_{CIRCUITS[0]}" in run.channels else ():
-        load, latency, lost = (run.channels[f"can.bus.{what}_{circuit}"] for what in ("load", "latency", "lost"))
-        carried = latency[latency > 0.0]
-        found[f"bus_{circuit}_load"] = Metric(float(load[1:].mean()) if len(load) > 1 else 0.0, "1")
-        found[f"bus_{circuit}_longest_latency"] = Metric(float(latency.max()), "s")
-        found[f"bus_{circuit}_latency_jitter"] = Metric(float(np.ptp(carried)) if len(carried) else 0.0, "s")
-        found[f"bus_{circuit}_lost_frames"] = Metric(float(lost[-1]), "1")
-    return found

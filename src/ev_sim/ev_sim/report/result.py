@@ -1,107 +1,32 @@
-"""What driving a scenario gives, to look at from Python and to write into a folder; the reports of scenarios."""
+"""What driving a scenario gives, to look at from Python and to write into a folder."""
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ev_core.methods.register import offered, offered_module
 from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.data_file import TIME, files_in_config
-from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER
-from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
+from ev_sim.figures.drawing import Figure
 from ev_sim.figures.other_axes import timing_sheet
 from ev_sim.figures.saving import figure_files, save_figures
-from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, Parameters, Runs, bus_metrics, channel, metric, own_metrics
+from ev_sim.measures.metric import Metric, Runs
 from ev_sim.recording.offline import true_motion
 from ev_sim.recording.outcome import Outcome
 from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SIGNALS, SUMMARY, Recording, combined_hash, save, signal_hash
+from ev_sim.report.reports import figures_of_runs, metrics_of_runs
 from ev_sim.report.summary import COMMAND_LINE, Difference, Summary, differences, write_summary
 from ev_sim.report.tables import html_of, short_lines
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios.about import REPORTS
 from ev_sim.scenarios.scenario import Scenario, load_scenario
-
-ARGUMENTS = ("runs", "vehicle", "parameters")
-
-
-class Report(NamedTuple):
-    """Metrics of the runs of a scenario in the order of the table, and figures by their file's name without suffix."""
-
-    metrics: Callable[[Runs, Vehicle, Parameters], dict[str, Metric]]
-    figures: Callable[[Runs, Vehicle, Parameters], dict[str, Figure]]
-
-
-def report_for(scenario: str) -> Report:
-    """The report of a scenario: that of its name among the installed ones, or that of any if there is none."""
-    if scenario not in offered(REPORTS):
-        return Report(_of_all(_any_metrics), _of_all(_any_figures))
-    module = offered_module(REPORTS, "report", scenario)
-    return Report(_of_all(module.metrics), _of_all(module.figures))
-
-
-def _of_all(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A function that names as arguments what it uses of ARGUMENTS, called with all; TypeError if it names others."""
-
-    def called(*given: Any) -> Any:
-        by_name = dict(zip(ARGUMENTS, given, strict=True))
-        names = inspect.signature(function).parameters
-        for name in names:
-            if name not in by_name:
-                raise TypeError(f"{function.__module__}.{function.__name__}: {name} is none of {', '.join(ARGUMENTS)}")
-        return function(**{name: by_name[name] for name in names})
-
-    return called
-
-
-def _any_metrics(runs: Runs) -> dict[str, Metric]:
-    """Speeds and largest torque and angle of each run; the name of the run stands in front if there are several."""
-    return motion.of_each_run(runs, _metrics)
-
-
-def _any_figures(runs: Runs) -> dict[str, Figure]:
-    """One sheet for each run."""
-    return {
-        f"overview_{name}" if len(runs) > 1 else "overview": sheet(_panels(run), "time [s]")
-        for name, run in runs.items()
-    }
-
-
-def _metrics(run: Recording) -> dict[str, Metric]:
-    return {
-        "final_speed": metric(lambda: motion.path_speed(run)[-1], "m/s"),
-        "maximum_speed": metric(lambda: motion.speed(run).max(), "m/s"),
-        "maximum_total_drive_torque": metric(lambda: np.abs(motion.total_drive_torque(run)).max(), "N m"),
-        "maximum_road_wheel_angle": metric(lambda: np.abs(channel(run, motion.ROAD_WHEEL_ANGLE)).max(), "rad"),
-        **bus_metrics(run),
-    }
-
-
-def _panels(run: Recording) -> list[Panel]:
-    def wheels(quantity: str) -> list[Curve]:
-        return [Curve(run.time, channel(run, f"{quantity}.{name}"), name.replace("_", " ")) for name in WHEEL_NAMES]
-
-    def steering_angle() -> list[Curve]:
-        return [Curve(run.time, np.degrees(channel(run, motion.ROAD_WHEEL_ANGLE)))]
-
-    return [
-        panel("Speed", "speed [m/s]", lambda: [Curve(run.time, motion.path_speed(run))]),
-        panel("Steering angle", "angle [deg]", steering_angle),
-        panel("Drive torques", "torque [N m]", lambda: wheels("wheel_states.effort")),
-        panel("Wheel speeds", "speed [rad/s]", lambda: wheels("wheel_states.velocity")),
-    ]
-
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -159,7 +84,7 @@ class Result:
     @cached_property
     def metrics(self) -> Mapping[str, Metric]:
         """Numbers with units, and verdicts where something was published, by name."""
-        found = {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, self.truth)}
+        found = metrics_of_runs(self.truth, self.scenario.runs)
         changed = dict.fromkeys(self._other_than_the_source)
         why = f"{', '.join(changed)} differ{'s' * (len(changed) == 1)} from the source's" if changed else ""
         return {name: replace(each, unjudged=each.unjudged or why) for name, each in found.items()}
@@ -184,7 +109,7 @@ class Result:
 
     def figures(self) -> dict[str, Figure]:
         """Figures by name, drawn anew."""
-        figures: dict[str, Figure] = dict(self._of_report("figures"))
+        figures = figures_of_runs(self.truth, self.scenario.runs)
         if self._timing:
             figures["timing"] = timing_sheet(self._timing)
         return figures
@@ -192,14 +117,6 @@ class Result:
     @property
     def _timing(self) -> dict[str, Mapping[str, Any]]:
         return {name: outcome.timing for name, outcome in self.outcomes.items() if outcome.timing}
-
-    def _of_report(self, what: str) -> dict[str, Any]:
-        first = self.scenario.runs[0].configurations
-        parameters: Parameters = {role: configuration.values() for role, configuration in first.items()}
-        found: dict[str, Any] = getattr(report_for(self._report), what)(
-            self.truth, first[MASTER].common.vehicle, parameters
-        )
-        return found
 
     def data_frame(self, run: str = "") -> DataFrame:
         """The signals of a run, which may be left out if there is one only, over time [s]; needs pandas.

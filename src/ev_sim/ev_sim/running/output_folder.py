@@ -137,7 +137,7 @@ class OutputFolder:
         self._shared = {"", *folders.values()}  # with what the user has there
         claims = [*map(glob.escape, files)]
         claims += [str(Path(folders[run.name], name)) for run in runs for name in files_of_run(run)]
-        if any("\ud800" <= letter <= "\udfff" for letter in str(self.directory)):
+        if any(letter == "\0" or "\ud800" <= letter <= "\udfff" for letter in str(self.directory)):
             raise ParameterError(f"{quoted(str(directory))} is refused, allowed is the name of a folder in UTF-8")
         with ExitStack() as locks:
             try:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ev_core.lockstep.configuration import changeable_numbers
@@ -17,7 +18,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.files import with_files
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.measures.metric import parsed
+from ev_sim.measures.course import Course
+from ev_sim.measures.own_metrics import named_metrics
 from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.slow_ramp import SlowRampParameters
 
@@ -91,8 +93,9 @@ class ScenarioParameters:
     slow_ramp: SlowRampParameters = group(SlowRampParameters)
     report: str = setting("", about="scenario whose metrics and figures it gets; empty for that of its own name")
     metrics: tuple[str, ...] = setting(
-        (), about="metrics of its own, each as NAME = REDUCTION(CHANNEL), such as peak = maximum(imu.yaw_rate)"
+        (), about="metrics besides those of its report: names of docs/metrics.md, or NAME [UNIT] = EXPRESSION"
     )
+    course: Course = group(Course)
     lesson: tuple[str, ...] = setting((), about="numbers, as NODE.NAME, that the live page has beside its plots")
 
     def __post_init__(self) -> None:
@@ -116,13 +119,19 @@ def said_by(file: ParameterFile) -> ScenarioParameters:
         about = build(ScenarioParameters, file.values_for(f"{NAMESPACE}/{SCENARIO_NODE}", by_name=True))
         if about.report and about.report not in offered(REPORTS):
             raise unknown_name("report", about.report, sorted(offered(REPORTS)))
-        for text in about.metrics:
-            parsed(text)  # refuses what is no metric
+        named_metrics(about.metrics)
         for text in about.lesson:
             _refuse_unknown_number(text)
         return about
     except ParameterError as error:
         raise ParameterError(f"{file.path}: {error}") from None
+
+
+def with_metrics(about: ScenarioParameters, further: Sequence[str]) -> ScenarioParameters:
+    """What a scenario states, with further metrics; ParameterError if one is refused, or a name is there twice."""
+    texts = (*about.metrics, *further)
+    named_metrics(texts)
+    return replace(about, metrics=texts)
 
 
 def _refuse_unknown_number(text: str) -> None:

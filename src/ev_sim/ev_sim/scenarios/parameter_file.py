@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Collection, Iterator, Mapping
 from copy import copy
@@ -100,7 +101,7 @@ class ParameterFile:
                 shown = repr(named(pattern))
                 raise ParameterError(f"{self.path}: section {shown} does not hold '{_SECTION}:' with parameters")
             values = flattened(section[_SECTION])
-            yield str(pattern), {name: _marked(value, self.path) for name, value in values}
+            yield str(pattern), {name: _marked(name, value, self.path) for name, value in values}
 
     def names(self) -> set[str]:
         """The dotted names in all sections."""
@@ -134,11 +135,18 @@ def matches(pattern: str, node: str) -> bool:
     return re.fullmatch(expression, node) is not None
 
 
-def _marked(value: Any, file: Path) -> Any:
-    """A value whose texts know that they come from a file."""
+_ARE_FILES = re.compile(r"(.*\.)?(\w+_)?(file|database|vehicle|method)")  # parameters that may name a file
+
+
+def _marked(name: str, value: Any, file: Path) -> Any:
+    """A value whose texts know that they come from a file, and first mean files beside it."""
     if isinstance(value, list):
-        return [_marked(each, file) for each in value]
-    return TextOfFile.of(value, file) if isinstance(value, str) else value
+        return [_marked(name, each, file) for each in value]
+    if not isinstance(value, str):
+        return value
+    beside = file.parent.absolute() / value
+    is_there = _ARE_FILES.fullmatch(name) and beside.suffix and os.path.isfile(beside)
+    return TextOfFile.of(str(beside) if is_there else value, file)
 
 
 def flattened(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ev_core.faults.fault import parsed
 from ev_core.lockstep.configuration import Configuration, chosen_method, configure, refuse_unused
 from ev_core.lockstep.graph import check_graph
 from ev_core.nodes.master.real_time import LONGEST, MasterParameters
 from ev_core.parameters.data_file import files_in_config
-from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
+from ev_sim.measures.course import NO_COURSE, Course
 from ev_sim.profiles.profile import cycle_values
 from ev_sim.scenarios.about import (
     NAMESPACE,
@@ -24,14 +23,16 @@ from ev_sim.scenarios.about import (
     configured_file,
     said_by,
     vehicle_file,
+    with_metrics,
 )
+from ev_sim.scenarios.notes import notes_on
 from ev_sim.scenarios.parameter_file import ParameterFile, matches
 from ev_sim.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
 
 
 @dataclass(frozen=True)
 class Run:
-    """One configured graph, the namespace of its nodes, and by which report and metrics of its file it is measured."""
+    """One configured graph, the namespace of its nodes, and by which report, metrics and course it is measured."""
 
     name: str
     namespace: str
@@ -39,6 +40,7 @@ class Run:
     duration: float
     report: str = ""
     metrics: tuple[str, ...] = ()
+    course: Course = NO_COURSE
 
     @property
     def period(self) -> int:
@@ -58,7 +60,7 @@ class Overrides:
     `values`: (node, dotted parameter name, value). Node `*` means every role. A method that is driven must have each of
     them; those that are `prepared`, which come before, may be for other methods, like those of files. `vehicle` is
     another car than that of the scenario, as a name or a path; what the scenario itself changes about the car of all
-    runs is left out then. What it changes about that of some runs stays: it is what these runs are about.
+    runs is left out then, what it changes about that of some runs stays. `metrics` are measured besides its own.
     """
 
     files: Sequence[Path] = ()
@@ -66,6 +68,7 @@ class Overrides:
     duration: float | None = None
     vehicle: str | None = None
     prepared: Sequence[tuple[str, str, Any]] = ()
+    metrics: Sequence[str] = ()
 
     @classmethod
     def of(
@@ -113,7 +116,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     overrides = overrides or Overrides()
     own = ParameterFile(configured_file("scenario", name))
     name = shown(own.path.stem)
-    about = said_by(own)
+    about = with_metrics(said_by(own), overrides.metrics)
     namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
     of_all = [pattern for pattern in own.sections if _means_all(pattern, namespaces.values())]
     car = own.without(f"{VEHICLE}.", of_all) if overrides.vehicle else own
@@ -143,25 +146,16 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
             as_it_is = _run(run_name, of_file, about.duration, about)
             run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
             notes += [note] if note else []
-        runs.append(replace(run, report=about.report or name, metrics=about.metrics))
+        runs.append(replace(run, report=about.report or name, metrics=about.metrics, course=about.course))
     refuse_unused_values(overrides.values, runs)
     _refuse_unfollowed_speed(overrides.all_values, runs)
-    notes += [] if only else _unused_in(files, runs, overrides)
-    notes += [note for run in runs for note in _late_faults(run)]
+    notes += notes_on(files, runs, overrides, whole=not only)
     return Scenario(name, about, tuple(runs), own.path, tuple(notes))
 
 
 def _means_all(pattern: str, namespaces: Iterable[str]) -> bool:
     """Whether a section means some node of every run."""
     return all(any(matches(pattern, f"{space}/{role}") for role in ROLES) for space in namespaces)
-
-
-def _late_faults(run: Run) -> Iterator[str]:
-    """A line for each fault that the run does not live to see."""
-    for role, configuration in run.configurations.items():
-        for fault in parsed(configuration.faults):
-            if fault.periods(configuration.common.control_period)[0] > stamps.from_seconds(run.duration) // run.period:
-                yield f"{run.namespace}/{role}: fault {quoted(fault.text)} begins after the end at {run.duration:g} s"
 
 
 def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]) -> None:
@@ -205,23 +199,6 @@ def _follows_a_speed(run: Run) -> bool:
     values = run.configurations["driver"].values()
     pressed = values.get("pedals.begin", False) and values["pedals.begin_time"] == values["pedals.begin_speed"] == 0.0
     return not pressed or run.configurations[MASTER].values().get("speed") == "imposed"
-
-
-def _unused_in(files: Sequence[ParameterFile], runs: Sequence[Run], overrides: Overrides) -> list[str]:
-    """What files set and no run uses, a note for each file, but for roles whose method the command line chooses."""
-    switched = {node for node, key, _ in overrides.values if key == "method"}
-    roles = [role for role in ROLES if role not in switched]
-    notes = []
-    for file in files:
-        found: dict[str, bool] = {}  # by name whether it is used
-        for run in runs:
-            for role in (role for role in roles if role in run.configurations):
-                for name in file.values_for(f"{run.namespace}/{role}"):
-                    is_used = name not in run.configurations[role].unused
-                    found[f"{role}.{name}"] = found.get(f"{role}.{name}", False) or is_used
-        if unused := [name for name, is_used in found.items() if not is_used]:
-            notes.append(f"used by no chosen method: {', '.join(unused)} of {file.path}")
-    return notes
 
 
 @dataclass(frozen=True)

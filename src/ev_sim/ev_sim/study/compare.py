@@ -3,37 +3,30 @@
 from __future__ import annotations
 
 import argparse
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ev_core.methods.register import methods_of
-from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import unknown_name
+from ev_sim.command_line.options import add_metrics
 from ev_sim.figures.drawing import Curve, Figure, panel, sheet
 from ev_sim.figures.other_axes import plan_view
-from ev_sim.measures import handling, motion
-from ev_sim.measures.metric import Metric, NotMeasured, channel
+from ev_sim.measures import motion
+from ev_sim.measures.metric import Metric, channel
+from ev_sim.measures.own_metrics import listed, named_metric
+from ev_sim.measures.registry import METRICS
 from ev_sim.recording.recording import Recording
+from ev_sim.report.reports import further_metrics, measured_metrics, row_of
 from ev_sim.report.tables import text_table
-from ev_sim.scenarios.scenario import Run, load_scenario
-from ev_sim.study.study import Case, Results
-from ev_sim.surfaces import RoadParameters, Surface, left_and_right
+from ev_sim.scenarios.scenario import Run
+from ev_sim.study.study import Case, Results, not_measured, run_of_command
 
 ABOUT = "Every electronic differential on the same car in any scenario, one table and one figure"
 ROLE = "electronic_differential"
 ALL = "all"
-QUANTITIES = {  # name -> unit, in the order of the columns
-    "peak_sideslip": "rad",
-    "yaw_rate_error": "rad/s",
-    "peak_slip": "1",
-    "slip_energy": "J",
-    "drive_energy": "J",
-    "time_over_limit": "s",
-}
-COLUMNS = ("method", *(f"{name} [{unit}]" for name, unit in QUANTITIES.items()))
+QUANTITIES = ("peak_sideslip", "yaw_rate_error", "peak_slip", "slip_energy", "drive_energy", "time_over_limit")
 CURVES = ("time", "x", "y", "yaw_rate", "sideslip", "speed", "torque_difference")
 
 
@@ -42,33 +35,29 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scenario", default="double_lane_change", help="default: %(default)s")
     parser.add_argument("--run", default="", help="of a scenario with several runs; default: the first")
     parser.add_argument("--methods", default=ALL, metavar="NAME,NAME", help="default: all that are registered")
+    add_metrics(parser, f"default: {', '.join(QUANTITIES)}")
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """One case for each method; ParameterError for an unknown scenario, run or method."""
-    runs = load_scenario(given.scenario).runs
-    run = given.run or runs[0].name
-    if run not in {r.name for r in runs}:
-        raise unknown_name(f"run of {given.scenario}", run, [r.name for r in runs])
+    """One case for each method; ParameterError for an unknown scenario, run, method or metric."""
+    run = run_of_command(given)
     known = methods_of(ROLE)
     chosen = list(known) if given.methods == ALL else given.methods.split(",")
     for name in chosen:
         if name not in known:
             raise unknown_name(f"{ROLE} method", name, known)
-    return [Case(name, given.scenario, ((ROLE, "method", name),), run) for name in dict.fromkeys(chosen)]
+    # The usual ones are measured where they can be, those that are asked for have to be.
+    metrics = further_metrics(run, listed(given.metrics) or QUANTITIES, bool(given.metrics))
+    return [
+        Case(name, given.scenario, ((ROLE, "method", name),), run.name, metrics=metrics)
+        for name in dict.fromkeys(chosen)
+    ]
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """QUANTITIES, or in one line why one cannot be measured, and CURVES."""
-    plant = run.configurations[MASTER]
-    vehicle, surfaces = plant.common.vehicle, surfaces_of(getattr(plant.told, "road", None))
+    """Every metric of the run, in one line why one cannot be measured, and CURVES."""
     return {
-        "peak_sideslip": handling.peak_sideslip(recording),
-        "yaw_rate_error": _if_measured(lambda: handling.yaw_rate_error(recording, vehicle)),
-        "peak_slip": _if_measured(lambda: handling.peak_slip_ratio(recording)),
-        "slip_energy": _if_measured(lambda: handling.slip_energy(recording, vehicle)),
-        "drive_energy": float(handling.drive_work(recording)[-1]),
-        "time_over_limit": _if_measured(lambda: handling.time_over_limit(recording, vehicle, surfaces)),
+        **row_of(measured_metrics(recording, run)),
         "time": recording.time,
         "x": channel(recording, "pose.x"),
         "y": channel(recording, "pose.y"),
@@ -79,33 +68,44 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     }
 
 
-def surfaces_of(road: RoadParameters | None) -> tuple[Surface, ...]:
-    """The surfaces that lie on a road; none of a plant that has none."""
-    if road is None:
-        return ()
-    return tuple(map(road.surface, dict.fromkeys(name for side in left_and_right(road) for name in side.surface)))
+def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:
+    """By name the unit of the metrics that are shown."""
+    units: dict[str, str] = {}
+    for result in results.values():
+        units |= result.measured.get("units", {})
+    texts = listed(given.metrics) or QUANTITIES
+    names = [text if text in units else named_metric(text).name for text in texts]
+    return {name: units.get(name, "") for name in names}
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
-    """Each quantity of each method that could be driven."""
+    """Each metric of each method that could be driven."""
+    shown, driven = _shown(given, results), {n: r.measured for n, r in results.items() if not r.refused}
     return {
-        f"{quantity}_{name}": _metric(result.measured[quantity], unit)
-        for name, result in results.items()
-        if not result.refused
-        for quantity, unit in QUANTITIES.items()
+        f"{name}_{law}": Metric(
+            measured.get(name),
+            unit,
+            reason=measured["reasons"].get(name, ""),
+            better=METRICS[name].better if name in METRICS else "",
+        )
+        for law, measured in driven.items()
+        for name, unit in shown.items()
     }
 
 
 def table(given: argparse.Namespace, results: Results) -> tuple[Sequence[str], list[list[Any]]]:
-    """Columns, and for each method that could be driven a row of its quantities."""
-    driven = [(name, result.measured) for name, result in results.items() if not result.refused]
-    return COLUMNS, [[name, *(_number(measured[quantity]) for quantity in QUANTITIES)] for name, measured in driven]
+    """Columns, and for each method that could be driven a row of its metrics."""
+    shown, driven = _shown(given, results), {n: r.measured for n, r in results.items() if not r.refused}
+    columns = ("method", *(f"{name} [{unit}]" for name, unit in shown.items()))
+    return columns, [[law, *(measured.get(name) for name in shown)] for law, measured in driven.items()]
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
-    """The quantities of each method that could be driven."""
-    rows = [(name, *map(_cell, values)) for name, *values in table(given, results)[1]]
-    return text_table(COLUMNS, rows, left=COLUMNS[:1])
+    """The metrics of each method that could be driven."""
+    columns, rows = table(given, results)
+    texts = [(law, *("-" if value is None else f"{value:.4g}" for value in values)) for law, *values in rows]
+    lacking = not_measured(list(_shown(given, results)), results)
+    return "\n".join(filter(None, (text_table(columns, texts, left=columns[:1]), lacking)))
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
@@ -130,22 +130,3 @@ def _right_minus_left(recording: Recording) -> np.ndarray:
         return sum(channel(recording, f"torque_request.drive.{axle}_{side}") for axle in ("front", "rear"))
 
     return of("right") - of("left")
-
-
-def _if_measured(measure: Callable[[], float]) -> float | str:
-    try:
-        return measure()
-    except NotMeasured as why:
-        return str(why)
-
-
-def _metric(value: float | str, unit: str) -> Metric:
-    return Metric(None, unit, reason=value) if isinstance(value, str) else Metric(value, unit)
-
-
-def _number(value: float | str) -> float | None:
-    return None if isinstance(value, str) else value
-
-
-def _cell(value: float | None) -> str:
-    return "-" if value is None or not math.isfinite(value) else f"{value:.4g}"

@@ -79,7 +79,8 @@ _LENGTH = 24  # hexadecimal digits
 
 def case_key(case: Case) -> str:
     """A digest of the content of a case, whatever its name."""
-    content = (case.scenario, case.values, case.run, [str(file) for file in case.files], case.duration, case.vehicle)
+    files = [str(file) for file in case.files]
+    content = (case.scenario, case.values, case.run, files, case.duration, case.vehicle, case.metrics)
     return _short(repr(content))
 
 
@@ -95,7 +96,7 @@ def row_key(study: str, case: Case) -> str:
             configuration.create()
     roles = {role: (_text_of(each.method), each.values()) for role, each in run.configurations.items()}
     read = sorted((Path(name).name, digest) for name, digest in files.items())
-    return _short(repr((study, run.name, run.duration, run.report, run.metrics, roles, read)))
+    return _short(repr((study, run.name, run.duration, run.report, run.metrics, run.course, roles, read)))
 
 
 def _text_of(method: Method) -> str:

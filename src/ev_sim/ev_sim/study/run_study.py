@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import math
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +19,7 @@ from ev_sim.command_line.refusal import Parser
 from ev_sim.figures.drawing import Figure
 from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.measures.metric import Metric
-from ev_sim.recording.outcome import RunFailed, bar_of_runs
+from ev_sim.recording.outcome import RunFailed, announce, bar_of_runs
 from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SUMMARY
 from ev_sim.report.summary import versions, write_summary
 from ev_sim.report.tables import TABLES, print_metrics, text_table, write_tables
@@ -26,7 +28,7 @@ from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.scenario import Overrides, refuse_unused_values
 from ev_sim.study.kept_rows import DRIVEN, KeptRows, MeasureAndSave
 from ev_sim.study.study import Case, CaseResult, Results, Study, run_of, study_named
-from ev_sim.study.workers import drive_cases
+from ev_sim.study.workers import drive_cases, estimated_time
 
 _EVERY_NODE, _FILE = "*", "file"
 
@@ -127,6 +129,7 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     study, given = study_named(name), arguments(name, argv)
     cases = study_cases(study, given)
     out = given.out or Path("results") / name
+    announce(f"{name}: {len(cases)} runs")
     rows = KeptRows(out, name, cases, given.anew)
     signals = {case.name: path for case in cases if given.signals and (path := rows.signals_of(case))}
     names = [*OF_ALL_RUNS, *TABLES, DRIVEN, *signals.values()]
@@ -154,7 +157,9 @@ def run_study(name: str, argv: Sequence[str]) -> None:
             write_page(shown, folder.directory / PAGE)
     if tables:
         print(tables, end="\n\n")
-    print_metrics(metrics)
+    # What a table has stands there, and not once more below it.
+    if shown := metrics if table is None else {key: each for key, each in metrics.items() if each.reference}:
+        print_metrics(shown)
     for reason in dict.fromkeys(result.refused for result in driven if result.refused):
         of = [result for result in driven if result.refused == reason]
         print(f"not {'measured' if of[0].signal_hash else 'driven'}: {', '.join(r.name for r in of)}: {reason}")
@@ -177,6 +182,9 @@ def _drive(
     found = {case.name: result for case in cases if (result := rows.of(case)) is not None}
     found = {key: result for key, result in found.items() if key not in paths or paths[key].exists()}
     missing = {case.name: case for case in cases if case.name not in found}
+    if missing and given.scheduler is None:
+        seconds = timedelta(seconds=math.ceil(estimated_time(list(missing.values()), given.workers)))
+        announce(f"{name}: {len(missing)} of them to drive, in about {seconds}")
     with bar_of_runs(name, len(cases), len(found)) as bar:
 
         def keep(result: CaseResult) -> None:

@@ -6,12 +6,14 @@ import argparse
 import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 from ev_core.methods.register import methods_of, node_package, offered, offered_module
-from ev_msgs_py.refusal import unknown_name
+from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_sim.command_line.options import overrides
 from ev_sim.measures.metric import Metric, NotMeasured, metric
 from ev_sim.recording.offline import run_offline, true_motion
 from ev_sim.recording.recording import Recording, signal_hash
@@ -23,6 +25,8 @@ Measure = Callable[[Recording, Run], Mapping[str, Any]]  # of the true motion
 @dataclass(frozen=True, slots=True)
 class Case:
     """A run of a scenario, and what differs from the scenario's own file; `values` are (node, parameter, value).
+
+    `metrics` are measured besides those of the scenario (`measures.expression`).
 
     A study drives several methods, so some values may be for others than that of this case.
 
@@ -36,6 +40,7 @@ class Case:
     files: tuple[Path, ...] = ()
     duration: float | None = None
     vehicle: str | None = None
+    metrics: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,11 +90,36 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
 
 def run_of(case: Case) -> Run:
     """The configured graph of a case; ParameterError, in one line, if something in it is refused."""
-    overrides = Overrides(case.files, (), case.duration, case.vehicle, prepared=case.values)
+    overrides = Overrides(case.files, (), case.duration, case.vehicle, prepared=case.values, metrics=case.metrics)
     scenario = load_scenario(case.scenario, overrides, only=(case.run,) if case.run else ())
     if len(scenario.runs) > 1:
         raise unknown_name(f"run of {case.scenario}", case.run, [run.name for run in scenario.runs])
     return scenario.runs[0]
+
+
+def not_measured(names: Sequence[str], results: Results) -> str:
+    """A line for each metric that no run has, with the reason that one of them gives; empty if there is none."""
+    found = []
+    for name in names:
+        reasons = [result.measured["reasons"].get(name) for result in results.values() if result.measured]
+        if reasons and all(reasons):
+            found.append(f"not measured: {name}: {reasons[0]}")
+    return "\n".join(found)
+
+
+def run_of_command(given: argparse.Namespace) -> Run:
+    """The run that a command names by its scenario and --run, the first if it names none, with what it changes.
+
+    As it is in the scenario's file if the change does not fit it: that of a case may fit then.
+    """
+    changed, runs = overrides(given), load_scenario(given.scenario).runs
+    with suppress(ParameterError):
+        prepared = Overrides(changed.files, (), changed.duration, changed.vehicle, changed.all_values)
+        runs = load_scenario(given.scenario, prepared).runs
+    names = [run.name for run in runs]
+    if given.run and given.run not in names:
+        raise unknown_name(f"run of {given.scenario}", given.run, names)
+    return runs[names.index(given.run) if given.run else 0]
 
 
 GROUP = "ev_stack.studies"  # of entry points: the name of a study, and its module

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import yaml
 
-from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError, quoted
+from ev_sim.command_line.options import add_metrics
 from ev_sim.figures.drawing import Figure
 from ev_sim.figures.other_axes import lines_with_bands, maps
-from ev_sim.measures.metric import Metric, own_metrics
+from ev_sim.measures.metric import Metric
+from ev_sim.measures.own_metrics import listed, named_metric
 from ev_sim.recording.recording import Recording
-from ev_sim.report.result import report_for
+from ev_sim.report.reports import further_metrics, measured_metrics, row_of
 from ev_sim.report.tables import cell, text_table
 from ev_sim.scenarios.parameter_file import read_yaml
-from ev_sim.scenarios.scenario import Run, load_scenario
-from ev_sim.study.study import Case, Results
+from ev_sim.scenarios.scenario import Run
+from ev_sim.study.study import Case, Results, not_measured, run_of_command
 
 ABOUT = "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or maps"
 SEED = "seed"
@@ -39,11 +42,16 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "meets every other",
     )
     parser.add_argument("--seeds", type=int, default=1, metavar="N", help="runs of each, with the seeds 0 to N - 1")
-    parser.add_argument("--metrics", default="", metavar="NAME,NAME", help="default: all that can be measured")
+    add_metrics(parser, "default: those of the scenario")
+
+
+MOST = 100_000  # runs of a sweep
 
 
 def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
     """By NODE.PARAM, and `seed` if there are several, the values; ParameterError for words without sense."""
+    if not 1 <= given.seeds <= MOST:
+        raise ParameterError(f"--seeds {given.seeds} is refused, allowed is 1 to {MOST}")
     varied: dict[str, list[Any]] = {}
     for word in given.vary:
         place, found, text = word.partition("=")
@@ -52,11 +60,17 @@ def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
         for other in (*varied, *(["*.seed"] if given.seeds > 1 else [])):
             if _is_same(place, other):
                 raise ParameterError(f"--vary {quoted(word)} is refused: {other} varies already, allowed is once")
-        varied[place] = _values(word, text)
-        if not varied[place]:
-            raise ParameterError(f"--vary {quoted(word)} is refused: it names no value, allowed is one or more")
-    if given.seeds < 1:
-        raise ParameterError(f"--seeds {given.seeds} is refused, allowed is 1 or more")
+        try:
+            varied[place] = _values(text)
+        except ValueError as why:
+            raise ParameterError(f"--vary {quoted(word)} is refused, allowed is {why}") from None
+    runs = given.seeds * math.prod(map(len, varied.values()))
+    if runs > MOST:
+        raise ParameterError(
+            f"a sweep of {runs} runs is refused, allowed are {MOST}; docs/batch.md has what drives more"
+        )
+    if runs == 1 and not varied:
+        raise ParameterError("a sweep of nothing is refused, allowed is --vary NODE.PARAM=x,y,z, --seeds N, or both")
     return {**varied, **({SEED: list(range(given.seeds))} if given.seeds > 1 else {})}
 
 
@@ -65,31 +79,47 @@ def _is_same(place: str, other: str) -> bool:
     return name == other_name and (node == other_node or "*" in (node, other_node))
 
 
-def _values(word: str, text: str) -> list[Any]:
-    if text.count(":") != 2 or "," in text:
-        try:
-            return read_yaml(f"[{text}]")
-        except yaml.YAMLError:
-            raise ParameterError(f"--vary {quoted(word)} is refused, allowed is x,y,z or [x,y],[z]") from None
+def _values(text: str) -> list[Any]:
+    """The values that a text lists or spans; ValueError with what is allowed."""
+    numbers = r"\s*[-+.\deE]+\s*"
+    if (text.count(":") == 2 and "," not in text) or re.fullmatch(rf"{numbers}(:{numbers})+:?", text):
+        return _spanned(text)
+    try:
+        values: list[Any] = read_yaml(f"[{text}]")
+    except yaml.YAMLError:
+        raise ValueError("x,y,z or [x,y],[z]") from None
+    if not values:
+        raise ValueError("one value or more")
+    return values
+
+
+def _spanned(text: str) -> list[Any]:
     try:
         first, last, count = text.split(":")
-        values = np.linspace(float(first), float(last), int(count)).tolist()
-        is_whole = all(value.is_integer() for value in values)  # which parameters are that count
-        return [int(value) for value in values] if is_whole else values
+        start, end, number = float(first), float(last), int(count)
     except ValueError:
-        raise ParameterError(f"--vary {quoted(word)} is refused, allowed is FIRST:LAST:COUNT of numbers") from None
+        raise ValueError("FIRST:LAST:COUNT of numbers, such as 0:10:11 for 11 of them") from None
+    if not (math.isfinite(start) and math.isfinite(end)):
+        raise ValueError("FIRST:LAST:COUNT of finite numbers")
+    if not (1 if start == end else 2) <= number <= MOST:
+        raise ValueError(f"a COUNT from 2 to {MOST} in FIRST:LAST:COUNT")
+    values = np.linspace(start, end, number).tolist()
+    is_whole = all(value.is_integer() for value in values)  # which parameters are that count
+    return [int(value) for value in values] if is_whole else values
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every value with every other, the last one named changing first."""
     varied = variations(given)
-    run = given.run or load_scenario(given.scenario).runs[0].name
+    run = run_of_command(given)
+    has_methods = not any(name.endswith(".method") for name in varied)
+    metrics = further_metrics(run, listed(given.metrics), has_methods)
     found = []
     for values in itertools.product(*varied.values()):
         named = dict(zip(varied, values, strict=True))
         places = [("*", SEED, value) if name == SEED else (*name.split(".", 1), value) for name, value in named.items()]
         name = ", ".join(f"{name}={_shown_value(value)}" for name, value in named.items())
-        found.append(Case(name or given.scenario, given.scenario, tuple(places), run))
+        found.append(Case(name, given.scenario, tuple(places), run.name, metrics=metrics))
     return found
 
 
@@ -99,26 +129,18 @@ def _shown_value(value: Any) -> str:
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """Every metric of the scenario's report and of its file that can be measured, and its unit."""
-    parameters = {role: configuration.values() for role, configuration in run.configurations.items()}
-    runs = {run.name: recording}
-    found = dict(report_for(run.report).metrics(runs, run.configurations[MASTER].common.vehicle, parameters))
-    found |= own_metrics(run.metrics, runs)
-    known = {name: metric for name, metric in found.items() if metric.value is not None}
-    units = {name: metric.unit for name, metric in known.items()}
-    return {**{name: metric.value for name, metric in known.items()}, "units": units}
+    """Every metric of the scenario's report, of its file and of the command line, with units and what is lacking."""
+    return row_of(measured_metrics(recording, run))
 
 
 def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:
-    """By name the unit of the metrics that are shown; ParameterError for one that no run has measured."""
+    """By name the unit of the metrics that are shown: those that are asked for, else all that some run has."""
     units: dict[str, str] = {}
     for result in results.values():
         units |= result.measured.get("units", {})
-    chosen = given.metrics.split(",") if given.metrics else list(units)
-    for name in chosen:
-        if name not in units:
-            raise ParameterError(f"no run has measured a metric {quoted(name)}; measured: {', '.join(units) or 'none'}")
-    return {name: units[name] for name in chosen}
+    chosen = [text if text in units else named_metric(text).name for text in listed(given.metrics)]
+    known = {name for result in results.values() for name in result.measured}
+    return {name: units.get(name, "") for name in chosen or units if chosen or name in known}
 
 
 def table(given: argparse.Namespace, results: Results) -> tuple[list[str], list[list[Any]]]:
@@ -134,17 +156,19 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     found = {}
     for name, unit in _shown(given, results).items():
         values = [result.measured[name] for result in results.values() if name in result.measured]
-        found |= {f"{name}_least": Metric(min(values), unit), f"{name}_largest": Metric(max(values), unit)}
+        if values:
+            found |= {f"{name}_least": Metric(min(values), unit), f"{name}_largest": Metric(max(values), unit)}
     return found
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text, and a line if there is no metric in them."""
+    """The rows as aligned text, and a line for each metric that no run has, or if there is none at all."""
     columns, rows = table(given, results)
     given_ones = len(variations(given))
     texts = [[*map(_shown_value, row[:given_ones]), *map(cell, row[given_ones:])] for row in rows]
-    hint = "" if columns[given_ones:] else f"\n\nno metric was measured: scripts/run.sh {given.scenario} says why"
-    return text_table(columns, texts, left=()) + hint
+    hint = "" if columns[given_ones:] else f"\nno metric was measured: scripts/run.sh {given.scenario} says why"
+    lacking = not_measured(list(_shown(given, results)), results)
+    return "\n".join(filter(None, (text_table(columns, texts, left=()), lacking, hint)))
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import logging
 import os
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
 from typing import TYPE_CHECKING
 
-from ev_sim.recording.offline import load_compiled
+from ev_sim.recording.offline import load_compiled, run_offline
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.summary import versions
 from ev_sim.running.beforehand import compile_for
@@ -93,6 +94,32 @@ def drive_cases(
     if scheduler is not None:
         return _drive_on_cluster(jobs, progress, scheduler)
     return _drive_here(jobs, progress, workers or len(os.sched_getaffinity(0)))
+
+
+_SAMPLE = 1.0  # s of simulated time that tell how fast a case is
+
+
+def estimated_time(cases: Sequence[Case], workers: int | None = None) -> float:
+    """About how long some cases take here [s], from the first of them that is not refused; 0 if all are.
+
+    What it needs is compiled before; others may need more.
+    """
+    for case in cases:
+        with suppress(ValueError):
+            start = time.monotonic()
+            run = run_of(case)
+            resolving = time.monotonic() - start
+            compile_for([run], in_nodes=False)
+            sample = min(_SAMPLE, run.duration)
+            times = []
+            for duration in (0.0, 0.0, sample):  # the first one loads what all need
+                start = time.monotonic()
+                run_offline(run.configurations, duration)
+                times.append(time.monotonic() - start)
+            rate = max(times[2] - times[1], 0.0) / sample
+            each = resolving + times[1] + rate * run.duration
+            return each * len(cases) / min(workers or len(os.sched_getaffinity(0)), len(cases))
+    return 0.0
 
 
 def _drive_here(jobs: Sequence[Job], progress: Progress, count: int) -> list[CaseResult]:

@@ -198,14 +198,14 @@ class Check:
             return metric(lambda: self.measure(driven), self.unit)
         band = self._tolerance(driven).band(1.0 if self.value is None else self.value)
         if self.value is not None:
-            return metric(lambda: self.measure(driven), self.unit, reference(self.value, band, ""))
+            return metric(lambda: self.measure(driven), self.unit, reference=reference(self.value, band, ""))
         assert self.than is not None
         try:
             value, other = abs(self.measure(driven)), abs(self.than(driven))
         except NotMeasured as why:
             return Metric(None, "1", reference(1.0, band, ""), str(why))
         compared = f"; measured {value:.5g} against {other:.5g} {self.unit}".removesuffix(" 1")
-        return metric(lambda: value / other if other else math.inf, "1", reference(1.0, band, compared))
+        return metric(lambda: value / other if other else math.inf, "1", reference=reference(1.0, band, compared))
 
     def allowed(self, driven: Sequence[Any]) -> str:
         """Width and reason of the tolerance, for a table."""

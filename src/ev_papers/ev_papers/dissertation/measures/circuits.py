@@ -124,14 +124,14 @@ def circuit_shares(run: Recording, vehicle: Vehicle) -> dict[str, CircuitShares]
     """
     if not (has_own_motors(vehicle) and has_equal_motors(vehicle)):
         raise NotMeasured("a circuit is one of equal motors, each of one wheel")
-    period = np.diff(run.time, prepend=run.time[0])
+    period = np.diff(run.time, prepend=run.time[:1])
     shares = {}
     for wheel in vehicle.driven_wheels:
         speed = channel(run, f"wheel_states.velocity.{wheel}")
         free = channel(run, f"wheel_states.velocity.{free_wheel_beside(wheel, vehicle)}")
         torque = channel(run, f"wheel_states.effort.{wheel}")
         force = channel(run, f"tire_forces.longitudinal_force.{wheel}")
-        gained = wheel_inertia(vehicle, wheel) * np.diff(speed, prepend=speed[0])
+        gained = wheel_inertia(vehicle, wheel) * np.diff(speed, prepend=speed[:1])
         resistance = (torque - _radius(vehicle, wheel) * force) * period - gained
         motor, shaft_speed, electrical = _drive(run, vehicle, wheel)
         shares[wheel] = CircuitShares(
@@ -174,7 +174,7 @@ def free_wheel_beside(wheel: str, vehicle: Vehicle) -> str:
 
 def slip_energy(run: Recording, vehicle: Vehicle, counted: np.ndarray) -> float:
     """Work lost by slip along the driven wheels in the samples that are counted, sum F_x r (w - w_free) [J]."""
-    period = np.diff(run.time, prepend=run.time[0])
+    period = np.diff(run.time, prepend=run.time[:1])
     lost = 0.0
     for wheel in vehicle.driven_wheels:
         free = free_wheel_beside(wheel, vehicle)

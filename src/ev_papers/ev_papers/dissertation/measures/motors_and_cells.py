@@ -33,7 +33,7 @@ def electrical_metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
         for wheel in vehicle.driven_wheels:
             warm |= channel(run, f"motor_temperatures.winding.{wheel}") > thermal.winding_warm
             warm |= channel(run, f"motor_temperatures.inverter.{wheel}") > thermal.inverter_warm
-        return float((warm * np.diff(run.time, prepend=run.time[0])).sum())
+        return float((warm * np.diff(run.time, prepend=run.time[:1])).sum())
 
     of_motors: dict[str, tuple[Callable[[], float], str]] = {
         "peak_phase_current": (lambda: largest("motor_electrics.current"), "A"),
@@ -45,7 +45,7 @@ def electrical_metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
         "largest_cell_voltage": (lambda: float(channel(run, f"{_CELL}.voltage").max()), "V"),
         "peak_cell_temperature": (lambda: float(channel(run, f"{_CELL}.temperature").max()), "degC"),
     }
-    return {name: metric(value, unit) for name, (value, unit) in of_motors.items()}
+    return {name: metric(value, unit, name.replace("_", " ")) for name, (value, unit) in of_motors.items()}
 
 
 _GONE = ("resistor", "machines", "loads", "shafts", "stored")

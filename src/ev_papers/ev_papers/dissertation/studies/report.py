@@ -21,7 +21,8 @@ from ev_papers.dissertation.measures.motors_and_cells import electrical_metrics,
 from ev_sim.figures.drawing import Figure
 from ev_sim.measures import motion
 from ev_sim.measures.handling import share_of
-from ev_sim.measures.metric import Metric, NotMeasured, Parameters, Runs, channel, metric
+from ev_sim.measures.metric import HIGHER, LOWER, Metric, NotMeasured, Parameters, Runs, channel, metric
+from ev_sim.measures.registry import METRICS, DrivenRun
 from ev_sim.recording.recording import Recording
 
 ROLLING = 1.0  # [m/s], above it slip is more than the first turn of a wheel
@@ -55,6 +56,9 @@ def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, F
     return figures
 
 
+_WHEN = {False: "under traction", True: "in the windows of the cycle"}
+
+
 def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[str, Metric]:
     # Several metrics share them, and a cycle has a hundred thousand samples.
     shares = cache(lambda: circuits.circuit_shares(run, vehicle))
@@ -80,7 +84,8 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
             return sum(values) / len(values)
 
         ending = {side: f"_{side}" for side in _SIDES} | {"": ""}
-        return {name + end: metric(lambda side=side: mean(side), "1") for side, end in ending.items()}
+        formula = f"{name.removesuffix('_windows').replace('_', ' ')} of its circuits {_WHEN[whole]}"
+        return {name + end: metric(lambda side=side: mean(side), "1", formula, HIGHER) for side, end in ending.items()}
 
     def energy(whole: bool = False) -> float:
         return sum(of_circuits(lambda circuit: circuit.electrical_work, whole=whole))
@@ -97,23 +102,39 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
         **rows("total_efficiency", lambda circuit: circuit.total_efficiency),
         **rows("wheel_efficiency_windows", lambda circuit: circuit.efficiency, whole=True),
         **rows("drive_efficiency_windows", lambda circuit: circuit.drive_efficiency, whole=True),
-        "energy": metric(energy, "J"),
-        "energy_windows": metric(lambda: energy(whole=True), "J"),
-        "energy_as_printed": metric(energy_as_printed, "J"),
-        "energy_as_printed_in_kwh": metric(lambda: energy_as_printed() / _KILOWATT_HOUR, "kW h"),
-        "slip_energy": metric(lambda: circuits.slip_energy(run, vehicle, pressed()), "J"),
-        "distance": metric(lambda: motion.distance_on_path(run)[-1], "m"),
-        "traction_time": metric(lambda: _time_in(run, pressed()), "s"),
-        "window_time": metric(lambda: _time_in(run, windows()), "s"),
-        "peak_slip": metric(lambda: _peak_slip(run, vehicle, driver), "1"),
-        "mean_speed_error": metric(lambda: np.abs(_speed_error(run, driver)).mean(), "m/s"),
-        **{f"share_of_snow_{side}": metric(lambda side=side: _snow(run, vehicle, side), "1") for side in _SIDES},
+        "energy": metric(energy, "J", f"electrical work of the circuits {_WHEN[False]}", LOWER),
+        "energy_windows": metric(lambda: energy(whole=True), "J", f"the same {_WHEN[True]}"),
+        "energy_as_printed": metric(energy_as_printed, "J", "the same by the equation as it is printed"),
+        "energy_as_printed_in_kwh": metric(
+            lambda: energy_as_printed() / _KILOWATT_HOUR, "kW h", "the same in another unit"
+        ),
+        "traction_slip_energy": metric(
+            lambda: circuits.slip_energy(run, vehicle, pressed()),
+            "J",
+            "sum of F_x r (w - w_free) of the driven wheels under traction",
+            LOWER,
+        ),
+        "distance": METRICS["distance"].measured(DrivenRun(run, vehicle)),
+        "traction_time": metric(lambda: _time_in(run, pressed()), "s", "time under traction"),
+        "window_time": metric(lambda: _time_in(run, windows()), "s", "time in the windows"),
+        "traction_peak_slip": metric(
+            lambda: _peak_slip(run, vehicle, driver), "1", "max slip of a driven wheel under traction", LOWER
+        ),
+        "mean_speed_error": metric(
+            lambda: np.abs(_speed_error(run, driver)).mean(), "m/s", "mean |V - speed of the cycle|", LOWER
+        ),
+        **{
+            f"share_of_snow_{side}": metric(
+                lambda side=side: _snow(run, vehicle, side), "1", "share of the way on snow"
+            )
+            for side in _SIDES
+        },
         **electrical_metrics(run, vehicle),
     }
 
 
 def _time_in(run: Recording, counted: np.ndarray) -> float:
-    return (counted * np.diff(run.time, prepend=run.time[0])).sum()
+    return (counted * np.diff(run.time, prepend=run.time[:1])).sum()
 
 
 def _peak_slip(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> float:

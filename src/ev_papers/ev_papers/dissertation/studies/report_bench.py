@@ -8,24 +8,27 @@ from ev_papers.dissertation.measures import motors_and_cells
 from ev_papers.dissertation.studies import report
 from ev_sim.figures.drawing import Figure
 from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, Parameters, Runs, bus_metrics, metric
+from ev_sim.measures.metric import Metric, Parameters, Runs, metric
+from ev_sim.measures.registry import bus_metrics
 from ev_sim.recording.recording import Recording
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
     """Those of the cycle with eq 2.38 from measured values, and the accounts of the bench."""
-    return {
-        **report.metrics(runs, vehicle, parameters),
-        **motion.of_each_run(runs, _metrics),
-    }
+    return {**report.metrics(runs, vehicle, parameters), **motion.of_each_run(runs, lambda run: _metrics(run, vehicle))}
 
 
-def _metrics(run: Recording) -> dict[str, Metric]:
+def _metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
     names = ("battery", "mains", "resistor", "machines", "loads", "shafts")
     return {
-        **{f"bench_{name}": metric(lambda name=name: motors_and_cells.energies(run)[name], "J") for name in names},
-        "bench_imbalance": metric(lambda: motors_and_cells.imbalance(run), "1"),
-        **bus_metrics(run),
+        **{
+            f"bench_{name}": metric(
+                lambda name=name: motors_and_cells.energies(run)[name], "J", f"energy of the {name}"
+            )
+            for name in names
+        },
+        "bench_imbalance": metric(lambda: motors_and_cells.imbalance(run), "1", "what the accounts do not close by"),
+        **bus_metrics(run, vehicle),
     }
 
 

@@ -1,0 +1,174 @@
+"""An export as files: compiled, written as C, and put into a folder of the user's."""
+
+from __future__ import annotations
+
+import math
+import re
+import tempfile
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from ev_core.compiling.machine_code import key_of
+from ev_core.compiling.object_symbols import calls, code_size
+from ev_core.compiling.other_processors import object_file
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+from ev_msgs_py.refusal import ParameterError, quoted
+from ev_sim.export.content import Content, Part, Tunable
+from ev_sim.export.targets import Target
+from ev_sim.recording.recording import atomic_file
+from ev_sim.running.output_folder import OutputFolder
+
+_PER_LINE = 8  # constants
+_OF_LINKER = "_GLOBAL_OFFSET_TABLE_"  # no function: the linker makes it
+
+
+class Place(NamedTuple):
+    """Where state and constants of a part stand in an object; -1 for constants that all objects share."""
+
+    part: Part
+    state: int
+    constants: int
+
+
+class Entry(NamedTuple):
+    """A line of a table in C."""
+
+    name: str
+    unit: str
+    place: int
+    low: float = -math.inf
+    high: float = math.inf
+
+
+class Library:
+    """The C text of an export under a name; ParameterError if it is none in C."""
+
+    def __init__(self, content: Content, name: str) -> None:
+        if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
+            raise ParameterError(f"name {quoted(name)} is refused, allowed is one of a function in C")
+        self.content, self.name = content, name
+        self.places: list[Place] = []
+        state = constants = 0
+        for part in content.parts:
+            self.places.append(Place(part, state, constants if part.is_changed else -1))
+            state += max(len(part.state), 1)
+            constants += len(part.constants) * part.is_changed
+        self.state_size, self.constants_size = state, constants
+        self.codes = {self.symbol(part): part.code for part in content.parts}
+
+    def symbol(self, part: Part) -> str:
+        """The name of the function of a part, which changes with its code."""
+        return f"{self.name}_{key_of(*part.code)}"
+
+    def size(self, file: Path) -> tuple[str, int, int]:
+        """The roles of an object file, the bytes of its code, and the numbers of its constants and states."""
+        parts = [part for part in self.content.parts if self.symbol(part) == file.stem]
+        count = sum(len(part.constants) + len(part.state) for part in parts)
+        return ", ".join(part.role for part in parts), code_size(file.read_bytes()), count
+
+    @property
+    def about(self) -> str:
+        """What it is, in some words."""
+        kept = ", ".join(self.content.roles)
+        is_whole = set(self.content.roles) == {*self.content.run.configurations}
+        return f"the whole graph of {self.content.run.name}" if is_whole else f"{kept} of {self.content.run.name}"
+
+    def objects(self, target: Target, folder: Path) -> list[Path]:
+        """The object files of all parts, in a folder; those that are there already are not made again."""
+        made = {symbol: folder / f"{symbol}.o" for symbol in self.codes}
+        for symbol, file in made.items():
+            if not file.exists():
+                file.write_bytes(object_file(self.codes[symbol], symbol, target.processor))
+        return [*made.values()]
+
+    def write(self, folder: Path, target: Target, templates: Sequence[str], **more: Any) -> list[Path]:
+        """Files of these templates in a folder."""
+        environment = Environment(
+            loader=PackageLoader("ev_sim.export"), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        )
+        environment.filters.update(rows=_rows, number=_number)
+        written = []
+        for template in templates:
+            text = environment.get_template(template).render({**self._told(target), **more})
+            written.append(folder / file_name(template, self.name))
+            written[-1].write_text(f"{text.strip()}\n", encoding="utf-8")
+        return written
+
+    def _told(self, target: Target) -> dict[str, Any]:
+        return {
+            "name": self.name,
+            "upper": self.name.upper(),
+            "about": self.about,
+            "id": f"0x{self.content.digest[:16]}",
+            "content": self.content,
+            "places": self.places,
+            "symbols": [self.symbol(part) for part in self.content.parts],
+            "state_size": self.state_size,
+            "constants_size": self.constants_size,
+            "inputs": [Entry(*channel) for channel in self.content.inputs],
+            "outputs": [Entry(*channel) for channel in self.content.outputs],
+            "tunables": self.tunables,
+            "seeds": [place.constants + n for place in self.places for n in place.part.seeds],
+            "target": target,
+        }
+
+    @property
+    def tunables(self) -> list[Tunable]:
+        """All parameters that may change, with their places in an object."""
+        return [
+            each._replace(place=place.constants + each.place) for place in self.places for each in place.part.tunables
+        ]
+
+
+def file_name(template: str, name: str) -> str:
+    """The name of a file that is made of a template."""
+    stem, _, ending = template.partition(".")
+    return template if ending in ("txt", "md") else {"model": name}.get(stem, f"{name}_{stem}") + f".{ending}"
+
+
+def _rows(numbers: Sequence[float]) -> str:
+    lines = (numbers[n : n + _PER_LINE] for n in range(0, len(numbers), _PER_LINE))
+    return "\n".join(f"    {', '.join(map(_number, line))}," for line in lines)
+
+
+def _number(value: float) -> str:
+    """The shortest text that gives the same float64 in C."""
+    return repr(float(value)).replace("inf", "INFINITY").replace("nan", "NAN")
+
+
+def write_library(content: Content, name: str, target: Target, directory: Path) -> None:
+    """Write the library of an export into a folder, where it replaces nothing but an earlier one.
+
+    ParameterError, and nothing is written, for a name that C does not know, for a target that cannot have it, or for
+    files of others in the folder.
+    """
+    library = Library(content, name)
+    if not target.runs:
+        for role in content.roles:
+            if ROLES[role].kind is not RoleKind.ANSWERS:
+                raise ParameterError(f"{role} is refused for target {target.name}, allowed are roles that answer")
+    with tempfile.TemporaryDirectory() as made:
+        folder = Path(made)
+        objects = library.objects(target, folder)
+        sources = library.write(folder, target, ["model.h", "constants.h", "model.c"])
+        loop = target.compiled(sources[-1])
+        called = {each for file in (*objects, loop) for each in calls(file.read_bytes())} - {*library.codes, _OF_LINKER}
+        if foreign := sorted(called - target.processor.may_call):
+            raise ParameterError(f"target {target.name}: the loop calls {', '.join(foreign)}, which is not everywhere")
+        archive = target.archive([*objects, loop], folder / f"lib{name}.a")
+        more = {
+            "version": version("ev_sim"),
+            "called": sorted(called) or ["nothing"],
+            "methods": [f"{role} {content.run.configurations[role].method.name}" for role in content.roles],
+            "sizes": [library.size(file) for file in objects],
+        }
+        templates = ["CMakeLists.txt", "README.md", *(["program.c"] if target.runs else [])]
+        written = [*sources, archive, *library.write(folder, target, templates, **more)]
+        with OutputFolder(directory, f"export {name}", [file.name for file in written]) as output:
+            for file in written:
+                with atomic_file(output.directory / file.name) as to:
+                    to.write(file.read_bytes())

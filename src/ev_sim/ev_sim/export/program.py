@@ -1,0 +1,138 @@
+"""An export as a program on this or another processor, stepped over its standard input and output.
+
+The requests are those of the program's source, NAME_program.c, byte by byte.
+"""
+
+from __future__ import annotations
+
+import struct
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple
+
+import numpy as np
+
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.export.content import Content
+from ev_sim.export.library import Library
+from ev_sim.export.targets import Target
+
+_OPTIONS = ("-std=gnu99", "-O2", "-ffp-contract=off")
+_NAME = "model"
+_AT_ONCE = 1000  # steps, whose requests fit into a pipe while the program waits for its answers to be read
+_IDENTITY, _STATUS, _MEASURED = struct.Struct("<Q3I"), struct.Struct("<i"), struct.Struct("<QQI")
+
+
+class Measured(NamedTuple):
+    """What the steps of a program have taken: time [ns], how many there were, and bytes of the stack."""
+
+    nanoseconds: int
+    steps: int
+    stack: int
+
+
+def build_program(content: Content, target: Target, folder: Path) -> list[str]:
+    """Build the program in a folder; the words that start it here, with an emulator for another processor."""
+    library = Library(content, _NAME)
+    objects = library.objects(target, folder)
+    sources = library.write(folder, target, ["model.h", "constants.h", "model.c", "program.c"])
+    program = target.program([*objects, *sources[2:]], folder / f"{_NAME}_program", _OPTIONS)
+    return [*target.emulator, str(program)]
+
+
+class Program:
+    """A running program of an export; ParameterError if it does not start, or is that of another one.
+
+    Answers are a status, 0 where all is well, and the outputs.
+    """
+
+    def __init__(self, content: Content, command: Sequence[str]) -> None:
+        self._content, self._command = content, command
+        self._inputs = struct.Struct(f"<{len(content.inputs)}d")
+        self._outputs = struct.Struct(f"<i{len(content.outputs)}d")
+        try:
+            self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        except OSError as error:
+            raise self._refused(error.strerror or "it does not start") from None
+        identity, *_, self._state_size = _IDENTITY.unpack(self._asked(b"i", _IDENTITY.size))
+        if identity != int(content.digest[:16], 16):
+            raise self._refused("it is that of another export: make it anew")
+
+    def create(self) -> tuple[int, list[float]]:
+        """At rest; status and outputs, as of all that follow."""
+        return self._answered(b"c")
+
+    def reset(self, seed: int) -> tuple[int, list[float]]:
+        """At rest with another seed."""
+        return self._answered(b"r" + struct.pack("<I", seed))
+
+    def step(self, inputs: Sequence[float]) -> tuple[int, list[float]]:
+        """One control period with these inputs."""
+        return self._answered(b"s" + self._inputs.pack(*inputs))
+
+    def set_parameter(self, index: int, value: float) -> int:
+        """Change a parameter; a status."""
+        (status,) = _STATUS.unpack(self._asked(b"p" + struct.pack("<Id", index, value), _STATUS.size))
+        return int(status)
+
+    @property
+    def state(self) -> bytes:
+        """All that lasts."""
+        return self._asked(b"g", self._state_size)
+
+    def restore(self, state: bytes) -> tuple[int, list[float]]:
+        """Go on from a state."""
+        return self._answered(b"t" + state)
+
+    @property
+    def measured(self) -> Measured:
+        """What all steps so far have taken."""
+        return Measured(*_MEASURED.unpack(self._asked(b"m", _MEASURED.size)))
+
+    def drive(self, steps: int) -> np.ndarray:
+        """The outputs of a run without inputs from its start on, (steps + 1, outputs); ParameterError if one stops."""
+        kind = np.dtype([("status", "<i4"), ("outputs", "<f8", (len(self._content.outputs),))])
+        rows = [self._asked(b"c", kind.itemsize)]
+        for begin in range(0, steps, _AT_ONCE):
+            count = min(_AT_ONCE, steps - begin)
+            rows.append(self._asked(b"s" * count, count * kind.itemsize))
+        answers = np.frombuffer(b"".join(rows), kind)
+        for n in np.flatnonzero(answers["status"]):
+            raise self._refused(f"status {answers['status'][n]} in step {n}")
+        return answers["outputs"]
+
+    def close(self) -> None:
+        """End it."""
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                pipe.close()
+        self._process.wait()
+
+    def __enter__(self) -> Program:
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, traceback: TracebackType | None) -> None:
+        self.close()
+
+    def _answered(self, request: bytes) -> tuple[int, list[float]]:
+        status, *outputs = self._outputs.unpack(self._asked(request, self._outputs.size))
+        return status, outputs
+
+    def _asked(self, request: bytes, size: int) -> bytes:
+        to, by = self._process.stdin, self._process.stdout
+        assert to is not None
+        assert by is not None
+        try:
+            to.write(request)
+            to.flush()
+            answer = by.read(size)
+        except OSError:
+            answer = b""
+        if len(answer) < size:
+            raise self._refused("it has ended, or does not know the protocol of here")
+        return answer
+
+    def _refused(self, why: str) -> ParameterError:
+        return ParameterError(f"program {' '.join(self._command)}: {why}")

@@ -1,0 +1,211 @@
+"""Metrics of any run by name, each with its unit, its formula, the channels that it needs and which way is better.
+
+A metric is a pure function of a driven run. An entry in METRICS is all that a new one takes: runs, comparisons, sweeps,
+batches, the files of scenarios and docs/metrics.md know it then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ev_core.bus.parameters import CIRCUITS
+from ev_core.lockstep.configuration import Configuration
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.measures import handling, motion
+from ev_sim.measures.metric import LOWER, Metric, NotMeasured, channel, metric
+from ev_sim.recording.offline import written_topics
+from ev_sim.recording.recording import Recording
+from ev_sim.surfaces import RoadParameters, Surface, left_and_right
+
+
+class DrivenRun(NamedTuple):
+    """What a metric is computed from: the true motion, the car, and the surfaces that lie on its road."""
+
+    signals: Recording
+    vehicle: Vehicle
+    surfaces: tuple[Surface, ...] = ()
+
+
+def driven_run(signals: Recording, configurations: Mapping[str, Configuration]) -> DrivenRun:
+    """A run of these configurations; `signals` is its true motion."""
+    plant = configurations[MASTER]
+    return DrivenRun(signals, plant.common.vehicle, surfaces_of(getattr(plant.told, "road", None)))
+
+
+def surfaces_of(road: RoadParameters | None) -> tuple[Surface, ...]:
+    """The surfaces that lie on a road; none of a plant that has none."""
+    if road is None:
+        return ()
+    return tuple(map(road.surface, dict.fromkeys(name for side in left_and_right(road) for name in side.surface)))
+
+
+@dataclass(frozen=True, slots=True)
+class NamedMetric:
+    """A metric: `formula` in one line, `of` computes it, in its unit, and raises NotMeasured where it cannot be.
+
+    `needs` are the channels that it reads, or how the names of several begin.
+    """
+
+    name: str
+    unit: str
+    formula: str
+    of: Callable[[DrivenRun], float]
+    needs: tuple[str, ...]
+    better: str = ""
+
+    def measured(self, run: DrivenRun) -> Metric:
+        """Its value for a run, or why it has none."""
+        return metric(lambda: self.of(run), self.unit, formula=self.formula, better=self.better)
+
+    def lacking(self, channels: Collection[str]) -> str:
+        """The first of its needs that is not among some channels; empty if all are."""
+        return next((need for need in self.needs if not any(name.startswith(need) for name in channels)), "")
+
+
+def refuse_unmeasurable(metrics: Iterable[NamedMetric], configurations: Mapping[str, Configuration]) -> None:
+    """ParameterError for a metric of channels that no method of a graph writes."""
+    channels = [name for topic in written_topics(configurations) for name in topic.channels]
+    for each in metrics:
+        if need := each.lacking(channels):
+            methods = ", ".join(f"{role} {configured.method.name}" for role, configured in configurations.items())
+            raise ParameterError(f"metric {each.name} needs {need.rstrip('.')}, which none of these writes: {methods}")
+
+
+def _largest(values: np.ndarray) -> float:
+    return float(np.abs(values).max())
+
+
+def _battery_energy(run: Recording) -> float:
+    power = -channel(run, "battery.voltage") * channel(run, "battery.current")
+    return float(np.trapezoid(power, run.time))
+
+
+def _torque_activity(run: Recording) -> float:
+    commands = handling.of_wheels(run, "torque_command.drive")
+    if run.duration <= 0.0:
+        raise NotMeasured("the run has no duration")
+    return float(np.abs(np.diff(commands)).sum()) / run.duration
+
+
+def _friction_use(run: Recording) -> float:
+    force, across, load, friction = (
+        handling.of_wheels(run, f"tire_forces.{of}")
+        for of in ("longitudinal_force", "lateral_force", "load", "friction_coefficient")
+    )
+    available = load * friction
+    return float(np.divide(np.hypot(force, across), available, where=available > 0.0, out=0.0 * available).max())
+
+
+_TWIST, _ANGLE = "twist.", motion.ROAD_WHEEL_ANGLE
+_ACCELERATION = ("imu.longitudinal_acceleration", motion.LATERAL_ACCELERATION)
+_SLIP_RATIO, _SLIP_ANGLE, _FRICTION = (
+    f"tire_forces.{of}." for of in ("slip_ratio", "slip_angle", "friction_coefficient")
+)
+_FORCES = ("tire_forces.longitudinal_force.", "tire_forces.lateral_force.")
+
+_OF_ANY_RUN = (
+    NamedMetric(
+        "final_speed", "m/s", "V in the end, negative backwards", lambda run: motion.path_speed(run.signals)[-1],
+        (_TWIST,),
+    ),
+    NamedMetric("maximum_speed", "m/s", "max V", lambda run: motion.speed(run.signals).max(), (_TWIST,)),
+    NamedMetric(
+        "distance", "m", "length of the path of the centre of mass",
+        lambda run: motion.distance_on_path(run.signals)[-1], ("pose.",),
+    ),
+    NamedMetric(
+        "maximum_yaw_rate", "rad/s", "max |r|", lambda run: _largest(channel(run.signals, motion.YAW_RATE)),
+        (motion.YAW_RATE,),
+    ),
+    NamedMetric(
+        "maximum_lateral_acceleration", "m/s^2", "max |a_y cos(beta) - a_x sin(beta)|, across the path",
+        lambda run: _largest(motion.lateral_acceleration_on_path(run.signals)), (_TWIST, *_ACCELERATION),
+    ),
+    NamedMetric(
+        "maximum_road_wheel_angle", "rad", "max |delta|", lambda run: _largest(channel(run.signals, _ANGLE)), (_ANGLE,),
+    ),
+    NamedMetric(
+        "maximum_total_drive_torque", "N m", "max |sum of the drive torques at the wheels|",
+        lambda run: _largest(motion.total_drive_torque(run.signals)), ("wheel_states.effort.",),
+    ),
+    NamedMetric(
+        "peak_sideslip", "rad", "max |beta| while the car moves", lambda run: handling.peak_sideslip(run.signals),
+        (_TWIST,), LOWER,
+    ),
+    NamedMetric(
+        "yaw_rate_error", "rad/s", "rms(r - u delta/(L + K_us u^2)) while the car moves, within +-mu g/u",
+        lambda run: handling.yaw_rate_error(run.signals, run.vehicle), (_TWIST, _ANGLE, motion.YAW_RATE), LOWER,
+    ),
+    NamedMetric(
+        "peak_slip", "1", "max |slip ratio| of any wheel while the car moves",
+        lambda run: handling.peak_slip_ratio(run.signals), (_TWIST, _SLIP_RATIO), LOWER,
+    ),
+    NamedMetric(
+        "time_over_limit", "s", "time in which a tyre of the moving car slips beyond the peak of its curve",
+        lambda run: handling.time_over_limit(run.signals, run.vehicle, run.surfaces),
+        (_TWIST, _SLIP_RATIO, _SLIP_ANGLE, _FRICTION), LOWER,
+    ),
+    NamedMetric(
+        "friction_use", "1", "max hypot(F_x, F_y)/(mu F_z) of any wheel", lambda run: _friction_use(run.signals),
+        (*_FORCES, "tire_forces.load.", _FRICTION), LOWER,
+    ),
+    NamedMetric(
+        "slip_energy", "J", "integral of tyre force times slip speed, along and across, all wheels",
+        lambda run: handling.slip_energy(run.signals, run.vehicle),
+        (_TWIST, _ANGLE, "wheel_states.velocity.", *_FORCES), LOWER,
+    ),
+    NamedMetric(
+        "drive_energy", "J", "sum of drive torque times angle turned, all wheels",
+        lambda run: handling.drive_work(run.signals)[-1], ("wheel_states.position.", "wheel_states.effort."), LOWER,
+    ),
+    NamedMetric(
+        "battery_energy", "J", "integral of U I at the terminals, taken from the battery",
+        lambda run: _battery_energy(run.signals), ("battery.voltage", "battery.current"), LOWER,
+    ),
+    NamedMetric(
+        "torque_activity", "N m/s", "sum of |changes of the torque commands| of all wheels over the duration",
+        lambda run: _torque_activity(run.signals), ("torque_command.drive.",), LOWER,
+    ),
+)  # fmt: skip
+
+
+def _of_a_bus(circuit: str) -> Iterable[NamedMetric]:
+    load, latency, lost = (f"can.bus.{what}_{circuit}" for what in ("load", "latency", "lost"))
+
+    def mean_load(run: DrivenRun) -> float:
+        values = channel(run.signals, load)[1:]
+        return float(values.mean()) if len(values) else 0.0
+
+    def jitter(run: DrivenRun) -> float:
+        carried = channel(run.signals, latency)
+        carried = carried[carried > 0.0]
+        return float(np.ptp(carried)) if len(carried) else 0.0
+
+    name = f"bus_{circuit}_"
+    yield NamedMetric(f"{name}load", "1", f"mean load of the {circuit} bus", mean_load, (load,), LOWER)
+    yield NamedMetric(
+        f"{name}longest_latency", "s", f"max latency on the {circuit} bus",
+        lambda run: channel(run.signals, latency).max(), (latency,), LOWER,
+    )  # fmt: skip
+    yield NamedMetric(
+        f"{name}latency_jitter", "s", "max - min latency of the periods that carried frames", jitter, (latency,), LOWER
+    )
+    yield NamedMetric(
+        f"{name}lost_frames", "1", f"frames lost on the {circuit} bus", lambda run: channel(run.signals, lost)[-1],
+        (lost,), LOWER,
+    )  # fmt: skip
+
+
+_OF_THE_BUS = tuple(each for circuit in CIRCUITS for each in _of_a_bus(circuit))
+METRICS: Mapping[str, NamedMetric] = {each.name: each for each in (*_OF_ANY_RUN, *_OF_THE_BUS)}
+
+
+def bus_metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
+    """Of each circuit mean load, longest latency, its jitter from period to period, frames lost; none without a bus."""
+    return {each.name: each.measured(DrivenRun(run, vehicle)) for each in _OF_THE_BUS if not each.lacking(run.channels)}

@@ -1,0 +1,103 @@
+"""Snippets of pages: Python and YAML are run as they stand, or marked as excerpts of a file that has their lines."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ev_sim
+from ev_sim.command_line.options import arguments
+from ev_sim.commands.run_scenario import REVIEWS
+from ev_sim.measured.record import read_record
+from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_sim.study.run_study import arguments as arguments_of_study
+from ev_sim.study.study import study_names
+
+ROOT = Path(__file__).parents[2]
+PAGES = [*sorted((ROOT / "docs").rglob("*.md")), *ROOT.glob("*.md")]
+FENCE = re.compile(
+    r"^(?:<!-- excerpt of (?P<of>\S+) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL
+)
+
+
+def snippets(language: str, excerpts: bool = False) -> list[tuple[str, str]]:
+    """Page, or the file that an excerpt is of, and text."""
+    return [
+        (found["of"] if excerpts else page.relative_to(ROOT).as_posix(), found["text"])
+        for page in PAGES
+        for found in FENCE.finditer(page.read_text())
+        if found["language"] == language and bool(found["of"]) == excerpts
+    ]
+
+
+@pytest.mark.parametrize(("file", "text"), snippets("python", excerpts=True))
+def test_an_excerpt_has_the_lines_of_its_file(file, text):
+    lines = iter((ROOT / file).read_text().splitlines())
+    assert all(line in lines for line in text.splitlines() if line)
+
+
+@pytest.mark.parametrize("page", dict.fromkeys(page for page, _ in snippets("python")))
+def test_python_runs_as_it_stands(page, tmp_path, monkeypatch):
+    """All snippets of a page one behind the other; one that declares a law is a file, whose law is then driven."""
+    texts = [text for of, text in snippets("python") if of == page]
+    if "gymnasium" in "".join(texts):
+        pytest.importorskip("gymnasium")
+    monkeypatch.chdir(tmp_path)
+    if "@method" in texts[0]:
+        Path("law.py").write_text(texts[0])
+        assert ev_sim.run("step_steer", runs=("left",), method={"electronic_differential": "law.py"}, duration=0.5).hash
+        return
+    names: dict = {}
+    for text in texts:
+        exec(compile(text, page, "exec"), names)
+
+
+@pytest.mark.parametrize(("page", "text"), snippets("yaml"))
+def test_yaml_is_accepted_as_it_stands(page, text, tmp_path):
+    """A scenario has the car that it names beside it, a mapping a log; parameters go on top of a lane change."""
+    file = tmp_path / "shown.yaml"
+    file.write_text(text)
+    if "/**/scenario:" in text:
+        shutil.copy(ROOT / "config" / "vehicles" / "compact_ev.yaml", tmp_path / "car.yaml")
+        assert load_scenario(str(file)).runs[0].configurations["plant"].common.vehicle.name == "compact_ev"
+    elif text.startswith("time:"):
+        columns = re.findall(r"column: (\w+)", text)
+        rows = [[10.0 * n, *[0.0] * (len(columns) - 1)] for n in range(100)]
+        log = tmp_path / "log.csv"
+        log.write_text("".join(",".join(map(str, row)) + "\n" for row in (columns, *rows)))
+        assert len(read_record(log, file).time) == len(rows)
+    else:
+        assert not load_scenario("double_lane_change", Overrides(files=[file])).notes
+
+
+def test_the_scenario_of_the_page_changes_the_lane_and_finds_its_car_beside_it(tmp_path, monkeypatch):
+    """It was called "Lane change with my car" and went straight on."""
+    ((_, text),) = [each for each in snippets("yaml") if "/**/scenario:" in each[1]]
+    (tmp_path / "lane_change.yaml").write_text(text)
+    shutil.copy(ROOT / "config" / "vehicles" / "compact_ev.yaml", tmp_path / "car.yaml")
+    monkeypatch.chdir("/")
+    result = ev_sim.run(tmp_path / "lane_change.yaml")
+    assert result.metrics["course_passed"].value == 1
+    assert result.signals["pose.y"][-1] == pytest.approx(3.5, abs=0.1)  # the middle of the second lane
+    assert result.metrics["jerk"].unit == "m/s^3" and np.isfinite(result.metrics["yaw_rate_error"].value)
+    (axes,) = result.figures()["course"].axes
+    assert axes.get_title(loc="left").startswith("Single lane change")
+
+
+@pytest.mark.parametrize(
+    "line", [line for _, text in snippets("bash") for line in text.replace("\\\n", " ").splitlines()]
+)
+def test_commands_that_pages_show_are_understood(line):
+    """Scripts and examples are there, and the command line of a run or a study has the options."""
+    words = shlex.split(line, comments=True)
+    for word in words:
+        if re.fullmatch(r"(scripts|docs|benchmarks|tools)/[\w/]+\.\w+", word):
+            assert (ROOT / word).is_file(), word
+    if words[:1] == ["scripts/run.sh"] and len(words) > 1 and words[1] not in REVIEWS:
+        given = arguments_of_study(words[1], words[2:]) if words[1] in study_names() else arguments(words[1:])
+        assert given

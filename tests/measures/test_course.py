@@ -1,0 +1,110 @@
+"""Courses: what a scenario says of its lanes, and who passes them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import ev_sim
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.driver.path import PathParameters, distances_from, path_of
+from ev_sim.measures.course import Course
+from ev_sim.recording.recording import Recording
+from ev_sim.report.reports import report_for
+
+SLALOM = Course("Slalom", (0.0, 20.0), (10.0, 30.0), (0.0, -3.0), width_margin=(3.0, 3.0))
+ROAD = {"driver": {"path.x": [-10.0, 50.0], "path.y": [0.0, 0.0], "path.width": 8.0}}
+
+
+def driven(*points: tuple[float, float], end: float = 40.0) -> Recording:
+    """Along x at 10 m/s, aside from point to point."""
+    x = np.linspace(-10.0, end, 501)
+    zero = np.zeros(501)
+    channels = {
+        "pose.x": x, "pose.y": np.interp(x, *zip(*points, strict=True)), "pose.orientation_z": zero,
+        "pose.orientation_w": zero + 1, "twist.longitudinal": zero + 10, "twist.lateral": zero,
+        "imu.yaw_rate": zero, "imu.longitudinal_acceleration": zero, "imu.lateral_acceleration": zero,
+        "steering_column.state.angle": zero,
+    }  # fmt: skip
+    return Recording((x + 10.0) / 10.0, channels)
+
+
+def judged(run: Recording, course: Course = SLALOM) -> tuple:
+    found = report_for("double_lane_change").metrics({"mine": run}, Vehicle(), ROAD, course)
+    return found["course_passed"].value, found["cones_hit"].value, found["cones_hit"].verdict
+
+
+CLEAN = ((13.0, 0.0), (17.0, -3.0))
+MIRRORED = ((13.0, 0.0), (17.0, 3.0))
+
+
+def test_who_stays_in_the_lanes_passes_on_either_side():
+    assert judged(driven(*CLEAN)) == judged(driven(*MIRRORED)) == (1.0, 0, "measured")
+
+
+def test_who_touches_a_cone_does_not_pass():
+    """0.8 m aside the body, 0.82 m to each side, reaches over the cones at 1.5 m of the first lane."""
+    assert judged(driven((13.0, 0.8), (17.0, -3.0)))[:2] == (0.0, 4)
+
+
+def test_who_has_left_the_road_has_not_passed_it_cleanly():
+    """No cone stands where the car is: 0 of them was "measured", as of a clean run. It is 4 m aside at 14.8 m."""
+    astray = driven((13.0, 0.0), (17.0, 9.0))
+    assert judged(astray) == (0.0, None, "not measured: the car left the road at 2.48 s")
+
+
+def test_who_drives_beside_a_lane_has_not_passed_it():
+    """3 m aside on the road, beside the second lane, which begins at 20 m, and its cones."""
+    assert judged(driven((13.0, 0.0), (17.0, 0.0))) == (0.0, None, "not measured: the car left its lane at 3.00 s")
+
+
+def test_between_the_lanes_the_road_counts():
+    """A way of 5 m aside on a road of 8 m between two lanes that the car passes: 4 m at 10 m."""
+    course = Course("", (-5.0, 30.0), (0.0, 35.0), width_margin=(3.0, 3.0))
+    astray = [(2.0, 0.0), (12.0, 5.0), (22.0, 5.0), (27.0, 0.0)]
+    assert judged(driven(*astray), course) == (0.0, None, "not measured: the car left the road at 2.01 s")
+    assert judged(driven(*((x, 0.7 * y) for x, y in astray)), course)[0] == 1.0
+
+
+def test_a_run_that_ends_on_the_course_is_not_judged_but_one_that_has_failed_is():
+    assert judged(driven(*CLEAN, end=25.0)) == (None, None, "not measured: the end of the course never comes")
+    assert judged(driven((0.0, 9.0), end=25.0))[0] == 0.0
+
+
+def test_a_scenario_without_a_course_gets_no_foreign_cones(tmp_path):
+    """Its title was "Double lane change, ISO 3888-1", with the cones of that."""
+    (tmp_path / "single_lane_change.yaml").write_text(
+        "/**/scenario:\n  ros__parameters: {duration: 2.0, report: double_lane_change}\n"
+        "/**/plant:\n  ros__parameters: {method: planar, initial_speed: 80 km/h}\n"
+        "/**/driver:\n  ros__parameters:\n    method: preview\n    speed_profile: {time: [0.0], speed: [22.2]}\n"
+        "    path: {x: [-50.0, 10.0, 30.0, 100.0], y: [0.0, 0.0, 3.0, 3.0]}\n"
+    )
+    result = ev_sim.run(tmp_path / "single_lane_change.yaml")
+    assert result.metrics["cones_hit"].verdict.startswith("not measured: the scenario has no course: ")
+    assert result.metrics["peak_yaw_rate"].value > 0.0
+    (axes,) = result.figures()["course"].axes
+    assert axes.get_title(loc="left").startswith("single lane change")
+    assert "cones" not in axes.get_legend_handles_labels()[1]
+
+
+@pytest.mark.parametrize(
+    ("lanes", "said"),
+    [
+        ({"begin": (0.0, 20.0), "end": (10.0,)}, "end has 1 values, allowed are 2 as begin has"),
+        ({"begin": (0.0,), "end": (10.0,), "gap": (0.0, 1.0)}, "gap has 2 values, allowed are 1 as begin has"),
+        ({"begin": (0.0, 5.0), "end": (10.0, 20.0), "width_margin": (1.0, 1.0)}, "begin and end do not rise, "),
+        ({"begin": (0.0,), "end": (0.0,), "width_margin": (1.0,)}, "begin and end do not rise, "),
+        ({"begin": (0.0,), "end": (10.0,)}, "a lane has no width, allowed is "),
+    ],
+)
+def test_lanes_that_make_no_sense_are_refused(lanes, said):
+    with pytest.raises(ParameterError, match=f"^{said}"):
+        Course(**lanes)
+
+
+def test_distances_from_a_path():
+    """Beside a leg, beside a corner, and beyond both ends, where it goes on straight."""
+    path = path_of(PathParameters(x=(0.0, 10.0, 10.0), y=(0.0, 0.0, 10.0)))
+    x, y = np.array([5.0, 13.0, -7.0, 12.0]), np.array([2.0, -4.0, 1.0, 30.0])
+    assert distances_from(path, x, y).tolist() == [2.0, 5.0, 1.0, 2.0]

@@ -1,0 +1,56 @@
+"""The table of docs/determinism.md: a run of each scenario as a program on several processors, against its hash."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+from documentation.hashes import Hashes
+from documentation.markdown import code, table
+from ev_msgs_py.contract import frame, stamps
+from ev_sim.export.content import Content
+from ev_sim.export.program import Program, build_program
+from ev_sim.export.targets import TARGETS, Target
+from ev_sim.recording.recording import Recording, signal_hash
+from ev_sim.scenarios.scenario import Run, load_scenario
+
+PROCESSORS = "docs/determinism.md"
+BLOCK = "processors"
+DRIVEN = ("x86_64-linux", "aarch64-linux", "arm-linux")
+
+
+def hash_on(run: Run, target: Target, objects: Path) -> str:
+    """The signal hash of a run of an exported program; object files are kept in a folder for later runs."""
+    content = Content(run)
+    steps = stamps.from_seconds(run.duration) // run.period
+    with Program(content, build_program(content, target, objects)) as program:
+        rows = program.drive(steps)
+    channels = {channel.name: rows[:, n] for n, channel in enumerate(content.outputs)}
+    return signal_hash(Recording(frame.times(steps + 1, run.period), channels))
+
+
+def processor_table(published: Hashes) -> str:
+    """A row for the first run of each scenario; one that differs from its published hash shows its own."""
+    lacking = [word for name in DRIVEN for word in _needed(TARGETS[name]) if not shutil.which(word)]
+    if lacking:
+        sys.exit(f"not installed: {', '.join(lacking)} (docs/native.md)")
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        firsts = dict(reversed(published))
+        for scenario, name in reversed(firsts.items()):
+            (run,) = load_scenario(scenario, only=[name]).runs
+            digits, found = published[scenario, name], []
+            for target in DRIVEN:
+                objects = Path(folder, target)
+                objects.mkdir(exist_ok=True)
+                here = hash_on(run, TARGETS[target], objects)[: len(digits)]
+                found.append("equal" if here == digits else code(here))
+            rows.append([code(scenario), code(name), *found])
+            print(" ".join(rows[-1]), file=sys.stderr, flush=True)
+    return table(("scenario", "run", *DRIVEN), rows)
+
+
+def _needed(target: Target) -> list[str]:
+    return [target.compiler, *target.emulator[:1]]
