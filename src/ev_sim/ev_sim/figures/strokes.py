@@ -41,10 +41,14 @@ def strokes_of(labels: Iterable[str]) -> dict[str, Stroke]:
     places = {name.replace("_", " "): place for role in _ROLES for place, name in enumerate(methods_of(role))}
     names = dict.fromkeys(label.replace("_", " ") for label in labels if label)
     found: dict[str, Stroke] = {}
-    for name in sorted(names, key=lambda name: name not in places):
+    for name in sorted(names, key=lambda name: _law(name) not in places):
         taken, hues = set(found.values()), {each.colour for each in found.values()}
-        of_all = [stroke(places.get(name, 0) + n) for n in range(len(HUES) * len(DASHES))]
+        of_all = [stroke(places.get(_law(name), 0) + n) for n in range(len(HUES) * len(DASHES))]
         free = [each for each in of_all if each not in taken] or of_all
         others = [each for each in free if each.colour not in hues] or free
-        found[name] = (free if name in places else others)[0]
+        found[name] = (free if _law(name) in places else others)[0]
     return {**{name: found[name] for name in names}, "": stroke(0)}
+
+
+def _law(name: str) -> str:
+    return name.removesuffix(" (spun)")
