@@ -37,7 +37,7 @@ def compared() -> dict[str, Sheet]:
     """Every electronic differential, two of them with the same signals."""
 
     def measured(number: int) -> dict:
-        values = {name: np.sin(TIME + number // 2) for name in compare.CURVES[3:]}
+        values = {name: np.sin(TIME + number // 2) for name in list(compare.CURVES)[2:]}
         return {"time": TIME, "x": 10.0 * TIME, "y": 0.1 * np.sin(TIME + number), **values}
 
     return compare.figures(Namespace(scenario="double_lane_change"), results_of(methods_of(compare.ROLE), measured))

@@ -159,7 +159,8 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         content["command"] = command_of([name, *argv])
         write_summary(folder.directory / SUMMARY, content)
         if table is not None:
-            write_tables(folder.directory, *table, given.digits, _best(study, given, results))
+            best = study.better(given, results) if given.bold and hasattr(study, "better") else {}
+            write_tables(folder.directory, *table, given.digits, best)
         if not given.no_report:
             from ev_sim.report.page.writing import Page, images_of, measured_signals, write_page
 
@@ -244,11 +245,6 @@ def printed(study: Study, given: argparse.Namespace, results: Results) -> str:
         return study.tables(given, results)
     table = text_table(study.COLUMNS, study.rows(given, results), left=study.COLUMNS[: getattr(study, "LEFT", 1)])
     return f"{study.HEADING}\n{table}" if hasattr(study, "HEADING") else table
-
-
-def _best(study: Study, given: argparse.Namespace, results: Results) -> Mapping[str, str]:
-    """Which values are better, by the columns of the table that --bold concerns."""
-    return study.better(given, results) if given.bold and hasattr(study, "better") else {}
 
 
 def _print_notes(results: Sequence[CaseResult]) -> None:
