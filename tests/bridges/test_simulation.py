@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from inspect import isawaitable
+from inspect import isawaitable, signature
 from types import SimpleNamespace
 
 import pytest
 from bridges.stand_ins import KINDS, Features, Result, State
+from rclpy.action import ActionServer
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from ros_graph import Graph, graph, shchur
@@ -103,7 +104,7 @@ def simulator(tmp_path_factory):
         graph(shchur(5.0, plant__real_time_factor=0.1), tmp_path_factory.mktemp("simulation"), names=()) as running,
     ):
         patch.setattr(simulation, "needed", KINDS.__getitem__)
-        patch.setattr(simulation, "ActionServer", lambda *_, **__: None)
+        patch.setattr(simulation, "ActionServer", signature(ActionServer).bind)  # its words alone
         running.parameters[MASTER]["await_recorder"] = False
         for name in REQUIRED:
             running.start(name)

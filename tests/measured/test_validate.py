@@ -16,8 +16,11 @@ def test_the_car_that_made_the_record_is_found_right_and_a_softer_one_wrong(tmp_
     That is below 1 % of the signals. Another car is ten times as far off at least.
     """
     record = str(write(tmp_path, columns_of(driven())))
-    of = ["validate", record, "--window", "2", "--no-report"]
+    of = ["validate", record, "--window", "2"]
     main([*of, "--vehicle", CAR, "--out", str(tmp_path / "right")])
+    page = (tmp_path / "right" / "report.html").read_text()
+    assert page.count("data:image/png") == 2
+    assert "compact_ev against made.csv" in page
     out = capsys.readouterr().out
     assert "twist.yaw_rate" in out
     assert "6 windows of 2 s" in out
@@ -25,7 +28,7 @@ def test_the_car_that_made_the_record_is_found_right_and_a_softer_one_wrong(tmp_
     assert found["errors"]["twist.yaw_rate"]["explained"] > 0.9999
     assert found["errors"]["sideslip"]["explained"] > 0.999
     assert found["metrics"]["windows_left"]["value"] == 0.0
-    main([*of, "--vehicle", "audi_a2", "--out", str(tmp_path / "wrong")])
+    main([*of, "--no-report", "--vehicle", "audi_a2", "--out", str(tmp_path / "wrong")])
     wrong = json.loads((tmp_path / "wrong" / "summary.json").read_text())
     assert wrong["errors"]["twist.yaw_rate"]["rms"] > 10.0 * found["errors"]["twist.yaw_rate"]["rms"]
 

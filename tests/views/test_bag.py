@@ -5,7 +5,9 @@ It is read by mcap-ros2-support, which knows no message but by the definition th
 
 from __future__ import annotations
 
+import json
 from collections import defaultdict
+from pathlib import Path
 from types import SimpleNamespace
 from xml.etree.ElementTree import fromstring
 
@@ -141,6 +143,22 @@ def test_frames_hang_together_as_the_description_has_them(driven):
         assert [at.x, at.y, at.z] == pytest.approx(place, rel=1e-8)  # nine digits are written
     for each in (description, static):
         assert "durability: transient_local" in each.channel.metadata["offered_qos_profiles"]
+
+
+def test_layouts_show_the_car_from_a_bag(driven):
+    """Every topic that RViz and Foxglove are told to show is there, and the frames that they hold fixed and follow."""
+    with (driven.folder / "bag" / "bag.mcap").open("rb") as file:
+        topics = {channel.topic for channel in make_reader(file).get_summary().channels.values()}
+    layouts = Path(__file__).parents[2] / "config" / "layouts"
+    manager = yaml.safe_load((layouts / "car.rviz").read_text())["Visualization Manager"]
+    panels = json.loads((layouts / "foxglove.json").read_text())["configById"]
+    plotted = [path["value"].partition(".")[0] for panel in panels.values() for path in panel.get("paths", ())]
+    displays = [each.get("Topic") or each.get("Description Topic") for each in manager["Displays"]]
+    named = {*panels["3D!car"]["topics"], *plotted, *(each["Value"] for each in displays if each)}
+    assert len(named) > 5 and named <= topics
+    base = frames(driven)["base_link"][0]
+    assert manager["Global Options"]["Fixed Frame"] == base.header.frame_id
+    assert manager["Views"]["Current"]["Target Frame"] == panels["3D!car"]["followTf"] == base.child_frame_id
 
 
 _VALUE = ("", "bool", "integer", "double", "string", "", "bool_array", "integer_array", "double_array", "string_array")

@@ -8,6 +8,7 @@ from pathlib import Path
 from documentation import (
     architecture,
     can_reference,
+    comparisons,
     metric_reference,
     parameter_reference,
     topic_reference,
@@ -50,6 +51,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "drawing": architecture.drawing,
     "rooms": architecture.room_tables,
     "layers": architecture.declaration,
+    "comparisons": comparisons.comparison_table,
 }
 
 PAGES = {
@@ -59,6 +61,7 @@ PAGES = {
     "docs/topics.md": ("topics", "wheel names", "fields"),
     "docs/metrics.md": ("metrics of any run", "functions", "metrics of reports"),
     "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),
+    "docs/measured.md": ("comparisons",),
     "docs/architecture.md": ("packages", "drawing", "rooms", "layers"),
     HASHES: (RESULTS,),
     SHCHUR: (RESULTS, CONTROL_PERIODS),

@@ -1,4 +1,4 @@
-"""Commands that hold a car against measurement: scripts/run.sh validate (docs/measured.md).
+"""Commands that hold a car against measurement: scripts/run.sh validate and identify (docs/measured.md).
 
 Each raises what `ev_sim.commands.run_scenario.main` catches.
 """
@@ -10,22 +10,34 @@ import hashlib
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from ev_core.parameters.data_file import SIGNALS, read_data
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.command_line.options import add_changes, command_of, overrides
 from ev_sim.command_line.refusal import Parser
-from ev_sim.measured.open_loop import OpenLoop, Windows, graph, windows_of
+from ev_sim.measured.free_parameters import GROUPS, free_parameters
+from ev_sim.measured.identification import identify
+from ev_sim.measured.identified import CAR, FILES_OF_IDENTIFICATION, PARTS, Identified
+from ev_sim.measured.intervals import knowledge
+from ev_sim.measured.open_loop import ROLES_OF_REPLAY, OpenLoop, Windows, graph, windows_of
 from ev_sim.measured.record import (
+    SIDESLIP,
+    YAW_RATE,
     ColumnParameters,
     MaskParameters,
     MeasuredRecord,
     measured,
     read_record,
 )
+from ev_sim.measured.rig import read_rig
+from ev_sim.measured.tyre_fit import fit_tyre
+from ev_sim.measured.tyre_report import FILES_OF_TYRE, TYRE, tyre_table, write_tyre
 from ev_sim.measured.validation import FILES, Validation, signals_to_show
 from ev_sim.replay.recorded import find_recorded
 from ev_sim.running.output_folder import OutputFolder
+from ev_sim.scenarios.about import vehicle_file
+from ev_sim.scenarios.parameter_file import ParameterFile
 
 _OF_A_RUN = (".npz", ".mcap", ".db3", "")  # what a recording of ours may end with; the last is a folder
 
@@ -36,8 +48,12 @@ def run_validate(argv: Sequence[str]) -> None:
         prog="run.sh validate", description="scripts/run.sh validate: a car against a record of a real one."
     )
     _add_record(parser, "validate")
-    parser.add_argument("--no-report", action="store_true", help="no report.html; numbers and figures all the same")
+    parser.add_argument(
+        "--no-report", action="store_true", help="neither report.html nor figures, numbers all the same"
+    )
     given = parser.parse_args(argv)
+    if given.record is None:
+        parser.error("which record?")
     record = open_record(given.record, given.mapping)
     replay = _replay(given, record, windows_of(record, given.window, *given.part))
     with OutputFolder(given.out, "validate", FILES) as folder:
@@ -50,8 +66,102 @@ def run_validate(argv: Sequence[str]) -> None:
     print(f"{len(replay.windows)} windows of {given.window:g} s; page, figures, signals, summary: {folder.directory}")
 
 
+def run_identify(argv: Sequence[str]) -> None:
+    """Find parameters of a car from a record, and print and write them with what is known of each."""
+    parser = Parser(
+        prog="run.sh identify", description="scripts/run.sh identify: parameters of a car from a record of it."
+    )
+    parser.add_argument(
+        "--tyre", nargs="+", type=Path, metavar="RIG", help="a tyre from these rig data instead of a car"
+    )
+    parser.add_argument(
+        "--friction-scale", type=float, default=1.0, metavar="S", help="of the road over the rig's belt"
+    )
+    _add_record(parser, "identify")
+    groups = "; ".join(f"{name}: {', '.join(of)}" for name, of in GROUPS.items())
+    parser.add_argument(
+        "--free",
+        nargs="+",
+        default=[],
+        metavar="GROUP",
+        help=f"parameters that are looked for, or groups of them: {groups}",
+    )
+    parser.add_argument(
+        "--train", type=float, default=2 / 3, metavar="SHARE", help="of the windows; the rest is held out"
+    )
+    parser.add_argument(
+        "--signals", nargs="+", default=[YAW_RATE, SIDESLIP], metavar="CHANNEL", help="that are compared"
+    )
+    parser.add_argument("--starts", type=int, default=1, metavar="N", help="starts of the search; default 1")
+    parser.add_argument("--steps", type=int, default=25, metavar="N", help="largest number of steps from a start")
+    parser.add_argument(
+        "--prior", type=float, default=1.0, metavar="W", help="width of what is believed of a start, in scales"
+    )
+    parser.add_argument("--every", type=int, default=5, metavar="N", help="sample that counts for the fit; default 5")
+    parser.add_argument(
+        "--no-report", action="store_true", help="neither report.html nor figures, numbers all the same"
+    )
+    given = parser.parse_args(argv)
+    if given.tyre:
+        _identify_tyre(given, command_of(["identify", *argv]))
+        return
+    if given.record is None or not given.free:
+        parser.error("which record, and which parameters? RECORD --free GROUP ..., or --tyre RIG ...")
+    for name in ("starts", "steps", "every", "prior"):
+        if not getattr(given, name) > 0:
+            raise ParameterError(f"--{name} {getattr(given, name)} is refused, allowed is more than 0")
+    if not 0.0 < given.train <= 1.0:
+        raise ParameterError(f"--train {given.train:g} is refused, allowed is more than 0 and at most 1")
+    record = open_record(given.record, given.mapping)
+    begin, end = given.part
+    split = begin + given.train * (end - begin)
+    parts = {PARTS[0]: (begin, split), **({PARTS[1]: (split, end)} if given.train < 1.0 else {})}
+    replays = {part: _replay(given, record, windows_of(record, given.window, *of)) for part, of in parts.items()}
+    replay = replays[PARTS[0]]
+    stated, beside = _given(given)
+    free = free_parameters(given.free, replay.configurations)
+    seed = given.seed or 0
+    with OutputFolder(given.out, "identify", FILES_OF_IDENTIFICATION) as folder:
+        fitted = identify(
+            replay, free, given.signals, every=given.every, width=given.prior, starts=given.starts, seed=seed,
+            most=given.steps, progress=lambda line: print(line, flush=True),
+        )  # fmt: skip
+        known = knowledge(fitted.residuals, fitted.derivatives, fitted.values, free, given.prior, seed)
+        found = Identified(free, fitted, known, replays, stated, beside, command_of(["identify", *argv]))
+        print(found.table())
+        found.write(folder.directory, not given.no_report)
+    print(f"car: {folder.directory / CAR}")
+
+
+def _given(given: argparse.Namespace) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What file and options say of the vehicle, by dotted name, and of the rest, by ROLE.PARAMETER."""
+    changed = overrides(given)
+    stated, beside = vehicle_file(given.vehicle).values_for("/ev/plant"), dict[str, Any]()
+    for role in ROLES_OF_REPLAY:
+        for file in map(ParameterFile, changed.files):
+            beside |= {f"{role}.{name}": value for name, value in file.values_for(f"/ev/{role}").items()}
+    for node, name, value in changed.values:
+        beside |= {f"{role}.{name}": value for role in (ROLES_OF_REPLAY if node == "*" else (node,))}
+    of_car = {name.partition(".")[2]: value for name, value in beside.items() if ".vehicle." in name}
+    return {**stated, **of_car}, {name: value for name, value in beside.items() if ".vehicle." not in name}
+
+
+def _identify_tyre(given: argparse.Namespace, command: str) -> None:
+    """Fit a tyre to rig data, and write its property file, the errors and curves over data."""
+    if not 0.1 <= given.friction_scale <= 2.0:
+        raise ParameterError(f"--friction-scale {given.friction_scale:g} is refused, allowed is 0.1 to 2")
+    sweeps = read_rig(given.tyre)
+    with OutputFolder(given.out, "identify tyre", FILES_OF_TYRE) as folder:
+        fit = fit_tyre(sweeps)
+        print(tyre_table(fit))
+        write_tyre(folder.directory, fit, sweeps, given.friction_scale, command)
+    print(f"{sweeps.count} sweeps; tyre: {folder.directory / TYRE}")
+
+
 def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
-    parser.add_argument("record", type=Path, metavar="RECORD", help="CSV (.csv, .csv.xz), a bag or signals.npz")
+    parser.add_argument(
+        "record", nargs="?", type=Path, metavar="RECORD", help="CSV (.csv, .csv.xz), a bag or signals.npz"
+    )
     parser.add_argument(
         "--mapping", type=Path, metavar="FILE", help="what the columns are; default RECORD's name .yaml"
     )
@@ -75,6 +185,8 @@ def _part(text: str) -> tuple[float, float]:
 
 
 def _replay(given: argparse.Namespace, record: MeasuredRecord, windows: Windows) -> OpenLoop:
+    if given.duration is not None:
+        raise ParameterError("--duration is refused: a replay lasts as long as its windows, allowed is --window")
     if given.vehicle is None:
         raise ParameterError("--vehicle is missing: which car?")
     return OpenLoop(record, windows, graph(given.vehicle, record.period, overrides(given)), signals_to_show())

@@ -24,8 +24,9 @@ REVIEWS = {  # commands of their own, run_NAME of `reviews`, those of MEASURED o
     "replay": "recorded inputs into a law or a node, and where its answers differ from the recorded ones",
     "figures": "every panel of the sources' figures, drawn from our runs, on one page",
     "validate": "a car against a record of a real one: inputs imposed as measured, the rest compared",
+    "identify": "parameters of a car from a record of it, or a tyre from a rig, with intervals",
 }
-MEASURED = ("validate",)
+MEASURED = ("validate", "identify")
 _NOT_READ = 141  # the status of a command whose output nobody reads any more
 _NOT_LOADED = "failed to map segment"  # in the words of the loader: there is no memory for a library
 

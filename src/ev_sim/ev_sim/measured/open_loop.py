@@ -77,6 +77,7 @@ _OWN: Mapping[str, Mapping[str, Any]] = {
     "electronic_differential": {"method": "equal_torque"},
     "asr": {"method": "off"},
 }
+ROLES_OF_REPLAY = tuple(_OWN)
 
 
 def graph(vehicle: str, period: float, changed: Overrides | None = None) -> dict[str, Configuration]:
@@ -123,8 +124,8 @@ class OpenLoop:
         self.configurations = configurations
         self._lead = round(HOLD / record.period)
         size = self._lead + windows.size
-        ahead = windows.first[:, None] + np.arange(-self._lead, windows.size)
-        ahead = np.maximum(ahead, np.minimum.accumulate(np.maximum(ahead, 0), axis=1))
+        # Before the record begins, its first instant.
+        ahead = np.maximum(windows.first[:, None] + np.arange(-self._lead, windows.size), 0)
         time = [round(n * record.period, 9) for n in range(size)]
         speed = record[LONGITUDINAL][ahead]
         self._fixed: dict[str, list[Any]] = {

@@ -166,11 +166,11 @@ class Validation:
     def write(
         self, folder: Path, command: str, page: bool, more: Mapping[str, Any] | None = None, table: str = ""
     ) -> None:
-        """Everything into a folder: summary.json, signals.npz of the simulated car, figures, the page.
+        """Into a folder: summary.json, signals.npz of the simulated car, and with the `page` its figures.
 
         `more` goes into summary.json, a `table` above that of the errors on the page.
         """
-        both, figures = self.recordings(), self.figures()
+        both = self.recordings()
         configurations = self.replay.configurations
         content = Summary(
             scenario=f"open-loop replay of {quoted_source(self.replay.record)}",
@@ -193,8 +193,9 @@ class Validation:
         content |= {"by_window": {"begin": self.begins().tolist(), **rows}}
         write_summary(folder / SUMMARY, content | dict(more or {}))
         save(both["simulated"], folder / SIGNALS)
-        save_figures(figures, folder)
         if page:
+            figures = self.figures()
+            save_figures(figures, folder)
             signals = Signals("", both, None)
             shown = "\n\n".join(filter(None, (table, self.table())))
             title = f"{configurations['plant'].common.vehicle.name} against {Path(self.replay.record.source).name}"

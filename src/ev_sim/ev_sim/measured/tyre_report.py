@@ -1,0 +1,73 @@
+"""What the identification of a tyre leaves behind: its property file, its errors, and curves over data."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ev_sim.figures.drawing import Figure, name_axes, new_figure
+from ev_sim.figures.saving import save_figures
+from ev_sim.measured.magic_formula import combined_lateral, combined_longitudinal
+from ev_sim.measured.rig import Sweeps
+from ev_sim.measured.tyre_fit import TyreFit
+from ev_sim.recording.recording import SUMMARY, atomic_file
+from ev_sim.report.summary import write_summary
+from ev_sim.report.tables import text_table
+
+TYRE = "tyre.tir"
+FILES_OF_TYRE = (TYRE, SUMMARY, "curves.png")
+
+
+def tyre_table(fit: TyreFit) -> str:
+    """Errors by kind of force, of the sweeps that the fit has seen and of those that it has not."""
+    rows = [[kind, f"{100 * fit.seen[kind]:.2f} %", f"{100 * fit.unseen.get(kind, np.nan):.2f} %"] for kind in fit.seen]
+    return text_table(("force", "RMS over largest, seen", "unseen sweeps"), rows, left=("force",))
+
+
+def write_tyre(folder: Path, fit: TyreFit, sweeps: Sweeps, friction_scale: float, command: str) -> None:
+    """Everything into a folder."""
+    head = f"identified from rig data, SHA-256 {sweeps.digest}\n{command}"
+    with atomic_file(folder / TYRE) as file:
+        file.write(property_file(fit, friction_scale, head).encode())
+    content = {"about": head, "seen": dict(fit.seen), "unseen": dict(fit.unseen), "sweeps": sweeps.count}
+    write_summary(folder / SUMMARY, content | {"coefficients": dict(fit.coefficients)})
+    save_figures({"curves": curves(fit, sweeps)}, folder)
+
+
+def curves(fit: TyreFit, sweeps: Sweeps) -> Figure:
+    """Forces of the sweeps over their slip, with the curve of the fit at the means of each; unseen ones in orange."""
+    kinds = (
+        ("slip_angle", "lateral_force", sweeps.is_lateral),
+        ("slip_ratio", "longitudinal_force", sweeps.is_longitudinal),
+    )
+    figure = new_figure(9.0, 4.0, "constrained")
+    for place, (slip, force, chosen) in enumerate(kinds):
+        axes = figure.add_subplot(1, 2, place + 1)
+        for number in np.unique(sweeps.number[chosen])[:: max(len(np.unique(sweeps.number[chosen])) // 12, 1)]:
+            data = sweeps.points.some(np.flatnonzero(sweeps.number == number)[::10])
+            grid = np.linspace(getattr(data, slip).min(), getattr(data, slip).max(), 200)
+            names = data.__dataclass_fields__
+            mean = replace(data, **{n: np.full(200, getattr(data, n).mean()) for n in names})
+            model = combined_lateral if place == 0 else combined_longitudinal
+            colour = "#E69F00" if number % 3 == 2 else "0.6"
+            axes.plot(getattr(data, slip), getattr(data, force), ".", color=colour, markersize=2)
+            axes.plot(grid, model(fit.coefficients, replace(mean, **{slip: grid})), color="#0072B2", linewidth=1.0)
+        label = "slip angle [rad]" if place == 0 else "slip ratio [1]"
+        name_axes(axes, force.replace("_", " "), label, "force [N]")
+    return figure
+
+
+def property_file(fit: TyreFit, friction_scale: float, head: str) -> str:
+    """A tyre property file of MF 6.1; `friction_scale` from the belt of the rig to the road is LMUX and LMUY."""
+    groups = (
+        ("MODEL", {"FITTYP": "61", "TYRESIDE": "'LEFT'"}),
+        ("UNITS", {"LENGTH": "'meter'", "FORCE": "'newton'", "ANGLE": "'radians'", "MASS": "'kg'", "TIME": "'second'"}),
+        ("SCALING_COEFFICIENTS", {"LMUX": f"{friction_scale:g}", "LMUY": f"{friction_scale:g}"}),
+        ("COEFFICIENTS", {name: f"{value:.9g}" for name, value in sorted(fit.coefficients.items())}),
+    )
+    lines = [f"$ {line}" for line in head.splitlines()]
+    for title, entries in groups:
+        lines += [f"[{title}]", *(f"{name:16} = {value}" for name, value in entries.items())]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,91 @@
+"""scripts/run.sh identify: parameters of a simulated car come back, and what a record cannot tell is named."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from measured.made_records import CAR, columns_of, driven, write
+
+from ev_core.vehicle.tyre import MF_NAMES
+from ev_sim.commands.run_scenario import main
+from ev_sim.measured.free_parameters import FreeParameter, free_parameters
+from ev_sim.measured.intervals import in_words, knowledge
+from ev_sim.measured.open_loop import graph
+from ev_sim.scenarios.about import vehicle_of
+from ev_sim.scenarios.scenario import Overrides
+
+FREE = ("vehicle.yaw_inertia", "vehicle.tyre.front_mf.pky1", "steering_column.offset")
+
+
+def test_a_simulated_car_with_noise_gives_back_its_parameters_within_their_intervals(tmp_path, capsys):
+    """Begun 20 % off, with noise of 0.01 rad/s: within twice the interval (the study counts how often within it).
+
+    The same command gives the same bits, and the vehicle file is one that validate takes.
+    """
+    record = str(write(tmp_path, columns_of(driven(), noise=0.01)))
+    off = ["*.vehicle.yaw_inertia=3000.0", "*.vehicle.frontal_area=2.3", "plant.imposed_front_braking=0.7"]
+    of = ["identify", record, "--vehicle", CAR, "--window", "2", "--free", *FREE, "--no-report", "--steps", "8"]
+    of += [word for each in off for word in ("--set", each)]
+    main([*of, "--out", str(tmp_path / "one")])
+    out = capsys.readouterr().out
+    assert "held out" in out
+    found = json.loads((tmp_path / "one" / "summary.json").read_text())
+    car = vehicle_of(CAR)
+    truth = dict(zip(FREE, (car.yaw_inertia, car.tyre.front_mf[MF_NAMES.index("pky1")], 0.0), strict=True))
+    for name, each in found["identified"].items():
+        low, high = each["interval"]
+        width = max(high - low, 4.0 * each["deviation"])
+        assert abs(each["value"] - truth[name]) < width, name
+        assert width < 0.2 * max(abs(truth[name]), 0.02), name  # known to some per cent, the offset to 0.2 deg
+    assert found["identified"]["vehicle.yaw_inertia"]["source"].startswith("identified from made.csv, SHA-256 ")
+    errors = found["before_and_after"]["held out"]["twist.yaw_rate"]
+    assert errors["rms_after"] == pytest.approx(0.01, rel=0.2)  # the noise is what is left
+    main([*of, "--out", str(tmp_path / "two")])
+    assert (tmp_path / "two" / "vehicle.yaml").read_text().splitlines()[2:] == (
+        tmp_path / "one" / "vehicle.yaml"
+    ).read_text().splitlines()[2:]
+    files = [str(tmp_path / "one" / name) for name in ("vehicle.yaml", "parameters.yaml")]
+    assert vehicle_of(files[0]).frontal_area == 2.3  # what was set beside the file goes on
+    assert "imposed_front_braking: 0.7" in (tmp_path / "one" / "parameters.yaml").read_text()
+    check = ["--params", files[1], "--window", "2", "--no-report", "--out", str(tmp_path / "check")]
+    main(["validate", record, "--vehicle", files[0], "--part", "0.6667:1", *check])
+    with pytest.raises(SystemExit, match="--duration"):
+        main(["validate", record, "--vehicle", files[0], "--duration", "3"])
+    again = json.loads((tmp_path / "check" / "summary.json").read_text())
+    assert again["errors"]["twist.yaw_rate"]["rms"] == pytest.approx(errors["rms_after"], rel=1e-3)
+
+
+def test_what_cannot_be_told_is_named_by_its_parameters():
+    """Two parameters of which only the sum acts: their difference is unknown, their deviation that of the prior."""
+    random = np.random.Generator(np.random.PCG64(1))
+    one = random.standard_normal((12, 50, 1))
+    derivatives = np.concatenate([one, one, random.standard_normal((12, 50, 1))], axis=2)
+    residuals = random.standard_normal((12, 50))
+    free = [FreeParameter(name, "1", 0.0, 2.0, 1.0, 1.0) for name in ("a", "b", "c")]
+    known = knowledge(residuals, derivatives, np.ones(3), free, 1.0, 0)
+    assert [line.partition(" together")[0] for line in in_words(known, free)] in (["a - b"], ["b - a"])
+    assert known.deviation[:2] == pytest.approx(np.sqrt(0.5), rel=0.01)
+    assert known.deviation[2] == pytest.approx(1.0 / np.sqrt(600.0), rel=0.3)
+    assert known.interval[2, 1] - known.interval[2, 0] == pytest.approx(4.0 / np.sqrt(600.0), rel=0.5)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("vehicle.yaw", "unknown parameter or group"),
+        ("vehicle.name", "unknown parameter or group"),
+        ("vehicle.tyre.front_mf.pky9", "front_mf"),
+        ("vehicle.yaw_inertia", "10 %"),
+    ],
+)
+def test_a_free_parameter_that_cannot_be_free_is_refused(name, message):
+    if message == "10 %":  # allowed, with bounds of a tenth and ten times the start
+        (free,) = free_parameters([name], graph(CAR, 0.01, Overrides()))
+        assert (free.low, free.high, free.scale) == (free.start / 10, free.start * 10, free.start)
+        return
+    from ev_msgs_py.refusal import ParameterError
+
+    with pytest.raises(ParameterError, match=message):
+        free_parameters([name], graph(CAR, 0.01, Overrides()))

@@ -1,0 +1,95 @@
+"""identify --tyre: the whole Magic Formula against that of the plant, and a made tyre found again from rig data."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from ev_core.vehicle.files import read_tyre
+from ev_core.vehicle.tyre import MF_NAMES, mf_tyres
+from ev_sim.commands.run_scenario import main
+from ev_sim.measured.magic_formula import Points, combined_lateral, combined_longitudinal
+from ev_sim.measured.tyre_fit import FIXED
+from ev_sim.tyres.mf_tyre import at_load, forces, is_plain
+
+FILE = "tyres/pacejka_2006_205_60r15.tir"
+NUMBERS = read_tyre("tyre", FILE)
+
+
+def coefficients() -> dict[str, float]:
+    """The tyre of the file as the plant takes it: upright, nominal pressure, no shifts but that of the weight."""
+    of = {name.upper(): value for name, value in zip(MF_NAMES, NUMBERS, strict=True)} | FIXED
+    of["PKY1"] = -of["PKY1"]
+    zero = "PDX3 PHX1 PHX2 PVX1 PVX2 PPX1 PPX2 PPX3 PPX4 PDY3 PEY3 PEY4 PKY3 PKY6 PKY7 PHY1 PHY2 PVY1 PVY2 PVY3 PVY4"
+    more = "PPY1 PPY2 PPY3 PPY4 PPY5 RBX3 RHX1 RBY3 RBY4 RVY1 RVY2 RVY3 RVY4 RVY5 RVY6"
+    return of | {"NOMPRES": 2e5} | dict.fromkeys((*zero.split(), *more.split()), 0.0)
+
+
+def points(slip: np.ndarray, angle: np.ndarray, load: np.ndarray) -> Points:
+    none = np.zeros(len(slip))
+    return Points(slip, angle, none, load, none + 2e5, none, none)
+
+
+def test_the_whole_formula_is_that_of_the_plant_where_the_plant_has_it():
+    """Upright, without shifts: to the 1e-9 of the plant's polynomials for arc tangent, sine and cosine."""
+    random = np.random.Generator(np.random.PCG64(0))
+    slip, angle = random.uniform(0.005, 0.3, 40), random.uniform(0.005, 0.2, 40)
+    load = random.uniform(1000.0, 7000.0, 40)
+    at = points(slip, -angle, load)
+    along, across = combined_longitudinal(coefficients(), at), combined_lateral(coefficients(), at)
+    tyres = mf_tyres(NUMBERS, NUMBERS)
+    for n in range(40):
+        loaded = at_load(tyres, 0, float(load[n]), 1.0, 1.0, is_plain(tyres))
+        ours = forces(tyres, 0, loaded, float(slip[n]), float(np.tan(angle[n])), 1.0, is_plain(tyres))
+        assert (along[n], across[n]) == pytest.approx(ours, rel=1e-9)
+
+
+def rig(noise: float = 0.0) -> dict[str, np.ndarray]:
+    """Sweeps of the made tyre as the TTC writes them: 6 loads, slip angle alone, then slip ratio at three angles."""
+    random = np.random.Generator(np.random.PCG64(0))
+    wave, parts, time = np.sin(np.linspace(0.0, 6.28, 120)), [], 0.0
+    for angle in (None, 0.0, -0.03, -0.07):
+        for load in (1500.0, 2500.0, 3500.0, 4500.0, 5500.0, 6500.0):
+            slip = np.zeros(120) if angle is None else 0.15 * wave
+            side = 0.17 * wave if angle is None else np.full(120, angle)
+            at = points(slip, side, np.full(120, load))
+            fx, fy = combined_longitudinal(coefficients(), at), combined_lateral(coefficients(), at)
+            noisy = [f + noise * random.standard_normal(120) for f in (fx, fy)]
+            parts.append((time + np.arange(120) * 0.01, slip, -np.degrees(side), -at.load, noisy[0], -noisy[1]))
+            time += 10.0
+    columns = dict(zip(("ET", "SL", "SA", "FZ", "FX", "FY"), np.concatenate(parts, axis=1), strict=True))
+    return {**columns, "IA": np.zeros(len(columns["ET"])), "P": np.full(len(columns["ET"]), 200.0)}
+
+
+@pytest.mark.parametrize("kind", ["csv", "mat"])
+def test_a_made_tyre_is_found_again_and_its_file_is_read(tmp_path, capsys, kind):
+    """Noise of 30 N on forces of up to 7 kN is 0.4 %: unseen sweeps within 1 %, and the plant reads the file.
+
+    The friction of the road is the named factor times that of the belt.
+    """
+    columns, path = rig(30.0), tmp_path / f"rig.{kind}"
+    if kind == "csv":
+        rows = np.stack(list(columns.values()), axis=1)
+        path.write_text("\n".join((",".join(columns), *(",".join(map(str, row)) for row in rows))))
+    else:
+        from scipy.io import savemat
+
+        savemat(path, columns)
+    main(["identify", "--tyre", str(path), "--friction-scale", "0.8", "--out", str(tmp_path / "out")])
+    assert "combined lateral" in capsys.readouterr().out
+    found = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert found["sweeps"] == 24
+    assert max(found["unseen"].values()) < 0.01
+    read = dict(zip(MF_NAMES, read_tyre("tyre", str(tmp_path / "out" / "tyre.tir")), strict=True))
+    truth = dict(zip(MF_NAMES, NUMBERS, strict=True))
+    nominal = truth["pdy1"] + truth["pdy2"] * (read["fnomin"] - truth["fnomin"]) / truth["fnomin"]
+    assert read["pdy1"] == pytest.approx(0.8 * nominal, rel=0.02)
+
+
+def test_what_is_no_rig_data_is_refused(tmp_path):
+    (tmp_path / "rig.csv").write_text("ET,SA\n0,1\n1,2\n")
+    with pytest.raises(SystemExit) as ended:
+        main(["identify", "--tyre", str(tmp_path / "rig.csv"), "--out", str(tmp_path / "out")])
+    assert "lacks SL, IA, FZ" in str(ended.value)
