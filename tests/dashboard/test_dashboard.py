@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from browser import CONTROLS_WITHOUT_NAME, FOUND, TEXT_OF_POOR_CONTRAST, Browser
+from accessibility import CONTROLS_WITHOUT_NAME, TEXT_OF_POOR_CONTRAST
+from pictures.browser import FOUND, Browser
 from run_script import ENVIRONMENT, ROOT
 
 from ev_sim.commands import dashboard as command

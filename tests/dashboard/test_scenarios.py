@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import count
 from typing import Any
 
 import pytest
-from browser import FOUND, Browser
-from fed_page import FedPage
+from pictures.browser import FOUND, Browser
+from pictures.fed_page import FedPage
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.recording.recording import Recording
@@ -18,6 +19,7 @@ from ev_sim.scenarios.scenario import Overrides, Run, load_scenario, scenario_na
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(FOUND is None, reason="no Chromium on this machine")]
 SECONDS = 0.1  # that are driven: ten rows at least
 SCREEN, PHONE = (1280, 800), (390, 844)
+NUMBER = count()  # of the graph that is shown, so that no title comes twice
 STATE = "came = performance.now(); tellState(); byId('state').textContent"
 PLACES = """[...document.querySelectorAll('#lesson .parameter, #cars canvas, #beside .uplot')].map((each) => {
   const box = each.getBoundingClientRect();
@@ -73,8 +75,9 @@ def short(name: str, over: float) -> tuple[Run, tuple[str, ...]]:
 def shown(fed: FedPage, browser: Browser, run: Run, recording: Recording | None = None) -> None:
     """A run, half of it driven, or what was recorded."""
     browser.resize(*SCREEN)
-    fed.begin(run, recording or drive_offline(run).recording)
-    browser.wait_for(f"document.title === '{fed.title}' && live.times.length > 3")
+    title = f"EV Control Stack {next(NUMBER)}"
+    fed.begin(run, recording or drive_offline(run).recording, title)
+    browser.wait_for(f"document.title === '{title}' && live.times.length > 3")
     browser.wait_for("document.querySelectorAll('#beside .uplot').length === 3 && views[0]?.ready")
 
 
@@ -84,7 +87,7 @@ def test_sliders_plots_and_car_stand_beside_each_other(fed, browser, name):
     shown(fed, browser, run)
     values = present(run, lesson)
     sliders = browser.run(SLIDERS)
-    assert [label.replace(": ", ".").replace(" ", "_") for label, *_ in sliders] == [*values]
+    assert [label.replace("\u200b", "").replace(": ", ".").replace(" ", "_") for label, *_ in sliders] == [*values]
     for (_, least, at, most), value in zip(sliders, values.values(), strict=True):
         assert least <= at <= most and at == pytest.approx(value)
         assert most - least <= 2.0 * (abs(value) or 1.0) * (1 + 1e-12)

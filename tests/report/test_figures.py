@@ -63,6 +63,13 @@ def test_panels_of_one_scale_have_one_ordinate_and_a_spun_run_leaves_its_panel()
     assert angle.get_ylim() == pytest.approx((-33.6, 33.6))  # 6 % of the range beyond
 
 
+def test_a_run_that_has_spun_does_not_set_the_limits_unless_there_is_no_other():
+    held, spun = Curve(TIME, SLOW), Curve(TIME, 180.0 * SLOW, spun=True)
+    alone, both, lost = sheet_of(*(Panel("angle", "angle [deg]", of) for of in ([held], [held, spun], [spun]))).axes
+    assert both.get_ylim() == alone.get_ylim()
+    assert lost.get_ylim()[1] > 180.0
+
+
 def test_what_is_published_is_black_named_once_and_changes_no_colour():
     published = [level(1.0, 2.0, 4.0), level(-1.0, 6.0, 8.0)]
     (axes,) = sheet_of(Panel("V", "V [m/s]", [Curve(TIME, SLOW, "ours"), *published])).axes

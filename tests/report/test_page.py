@@ -21,8 +21,18 @@ from ev_sim.commands.run_scenario import main
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.recording import Recording, save
 from ev_sim.report import page as package
+from ev_sim.report.page.parameter_units import unit_of
 from ev_sim.report.page.plot_groups import groups_of
-from ev_sim.report.page.writing import Packed, Signals, envelope, measured_signals, pack, signal_data
+from ev_sim.report.page.writing import (
+    Packed,
+    Page,
+    Signals,
+    envelope,
+    measured_signals,
+    pack,
+    signal_data,
+    write_page,
+)
 from ev_sim.report.summary import EVERY_NODE, differences, write_summary
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
@@ -226,12 +236,34 @@ def test_a_folder_of_no_scenario_is_refused_in_one_line(tmp_path: Path, content:
 
 def test_series_of_a_study_are_signals_without_a_car(tmp_path: Path):
     time = np.arange(5.0)
-    (signals,) = measured_signals({"a": {"time": time, "x": 2 * time, "peak": 3.0, "other": np.zeros(2)}, "b": {}})
+    measured = {"a": {"time": time, "x": 2 * time, "peak": 3.0, "other": np.zeros(2)}, "b": {}}
+    (signals,) = measured_signals(measured, {"x": "m"}, ["a"])
     assert list(signals.runs) == ["a"] and list(signals.runs["a"].channels) == ["x"]
     data = signal_data([signals])
     assert data.index["runs"][0]["car"] is None
     assert [group["title"] for group in data.index["groups"]] == ["measured"]
-    assert measured_signals({"a": {"peak": 3.0}}) == ()
+    assert [plot["unit"] for plot in data.index["groups"][0]["plots"]] == ["m"]
+    assert data.index["runs"][0]["spun"]
+    assert measured_signals({"a": {"peak": 3.0}}, {}, ()) == ()
+
+
+def test_there_is_a_way_to_the_car_only_where_there_is_a_car(tmp_path: Path):
+    time = np.arange(5.0)
+    for car in (CAR, None):
+        page = tmp_path / f"{car is not None}.html"
+        write_page(Page("a page", {}, (Signals("", {"a": Recording(time, {"pose.x": time})}, car),)), page)
+        assert ('<a href="#view">' in page.read_text()) == (car is not None)
+
+
+def test_every_parameter_of_a_node_stands_with_its_unit(text: str):
+    cells = re.findall(
+        r'<th scope="row">(drive|sensors.wheel_speed.noise|step)</th><td>[^<]*</td><td>([^<]*)</td>', text
+    )
+    assert ("drive", "") in cells
+    assert [unit_of("plant", name) for name in ("step", "sensors.wheel_speed.noise", "nothing")] == ["s", "rad/s", ""]
+    assert [unit_of("a_node", "step"), unit_of("*", "vehicle.mass")] == ["", "kg"]
+    gains = {method: unit_of("electronic_differential", "gain", method) for method in ("steering_correction", "")}
+    assert gains == {"steering_correction": "1/rad", "": ""}  # of another law it is in N m/rad
 
 
 def test_what_is_vendored_is_what_its_readme_says():

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import zlib
 from collections.abc import Iterator
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from browser import CONTROLS_WITHOUT_NAME, FOUND, TEXT_OF_POOR_CONTRAST, Browser
+from accessibility import CONTROLS_WITHOUT_NAME, TEXT_OF_POOR_CONTRAST
 from pages import GAP, RADIUS, page_of, two_runs
+from pictures.browser import FOUND, Browser
+
+from ev_sim.recording.recording import Recording
+from ev_sim.report.page.writing import Page, Signals, write_page
 
 pytestmark = [
     pytest.mark.slow,
@@ -22,6 +30,8 @@ const sightOf = (channel) => { holderOf(channel).holder.scrollIntoView({ block: 
 const shown = (channel) => holderOf(channel).chart;
 const legendOf = (channel) => [...shown(channel).root.querySelectorAll(".u-value")].map((cell) => cell.textContent);
 """
+CHANNELS = 20  # of the page that is printed: more than are in sight
+BLUE = rb"\b0 \.447\d* \.698\d* RG"  # the first stroke of plots.js, #0072B2, in a PDF
 TORQUE, YAW_RATE = "driver.command.drive_torque", "imu.yaw_rate"
 
 
@@ -160,6 +170,66 @@ def test_what_the_script_adds_can_be_read_and_named(browser: Browser):
     assert browser.run(f"({CONTROLS_WITHOUT_NAME})()") == []
     levels = browser.run("[...document.querySelectorAll('h1,h2,h3,h4')].map((each) => Number(each.tagName[1]))")
     assert all(after <= before + 1 for before, after in pairwise(levels))
+
+
+def test_a_run_that_has_spun_does_not_set_the_limits(browser: Browser):
+    """The torque of the slow run ends at 50 N m, that of the other at 70 N m."""
+    limits = []
+    for spun in ("false", "true"):
+        browser.run(f"INDEX.runs[1].spun = {spun}; 0")
+        show(browser, 0, 1, "over")
+        look_at(browser, TORQUE)
+        limits.append(browser.run(f"shown('{TORQUE}').scales.y.max"))
+        labels = browser.run(f"shown('{TORQUE}').series.map((series) => series.label)")
+    browser.run("INDEX.runs[1].spun = false")
+    assert limits[0] > 70.0 and 50.0 < limits[1] < 60.0
+    assert labels == ["time", "slow", "fast one (spun)"]
+
+
+def test_every_quantity_and_the_time_have_a_unit_and_every_link_leads_to_what_is_seen(browser: Browser):
+    show(browser, 0, -1, "beside")
+    look_at(browser, TORQUE)
+    headings = browser.run("[...document.querySelectorAll('.quantity h4')].map((each) => each.firstChild.textContent)")
+    assert len(headings) > 20 and [each for each in headings if "[" not in each] == []
+    assert browser.run(f"shown('{TORQUE}').axes[0].label") == "time [s]"
+    links = "[...document.querySelectorAll('a[href]')].filter((each) => each.checkVisibility())"
+    assert browser.run(f"{links}.filter((each) => !document.querySelector(each.hash)?.checkVisibility()).length") == 0
+    browser.run("INDEX.runs[0].cars = INDEX.runs[0].car; INDEX.runs[0].car = null; show()")
+    browser.wait_for("document.getElementById('view').hidden")
+    assert browser.run(f"{links}.some((each) => each.hash === '#view')") is False
+    browser.run("INDEX.runs[0].car = INDEX.runs[0].cars; show()")
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_every_table_fits_its_screen(browser: Browser, width: int):
+    """On a phone a table may be moved within its place, the page may not."""
+    browser.resize(width, 900)
+    show(browser, 0, 1, "beside")
+    browser.run("for (const each of document.querySelectorAll('details')) each.open = true")
+    over = "(each) => each.scrollWidth > each.clientWidth"
+    assert not browser.run(f"({over})(document.documentElement)"), browser.run(
+        "[...document.querySelectorAll('main *')].filter((each) => each.getBoundingClientRect().right > innerWidth)"
+        ".map((each) => each.outerHTML.slice(0, 100)).slice(0, 20)"
+    )
+    if width == 1280:
+        wide = f"[...document.querySelectorAll('.scroll')].filter({over}).map((each) => each.outerHTML.slice(0, 200))"
+        assert browser.run(wide) == []
+    browser.run("for (const each of document.querySelectorAll('details')) each.open = false")
+    browser.resize(1300, 900)
+
+
+def test_what_was_never_in_sight_is_printed(tmp_path: Path):
+    """A printer asks when the page is loaded, which it is with all samples: each curve is stroked in its colour."""
+    time = np.linspace(0.0, 1.0, 11)
+    run = Recording(time, {f"measured.channel_{n}": n * time for n in range(1, CHANNELS + 1)})
+    write_page(Page("printed", {}, (Signals("", {"run": run}, None),)), tmp_path / "page.html")
+    words = ["--headless=new", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path}/profile"]
+    printed, page = tmp_path / "page.pdf", (tmp_path / "page.html").as_uri()
+    subprocess.run([FOUND, *words, f"--print-to-pdf={printed}", page], check=True, capture_output=True)
+    streams = re.findall(rb"/FlateDecode.*?stream\n(.*?)\nendstream", printed.read_bytes(), re.DOTALL)
+    drawn = b"\n".join(zlib.decompressobj().decompress(stream) for stream in streams)
+    # The frame in its legend, and the curve of each plot; those that were on the screen may have become images.
+    assert len(re.findall(BLUE, drawn)) > 1.5 * CHANNELS
 
 
 def test_nothing_was_complained_of_and_nothing_fetched(browser: Browser):

@@ -82,6 +82,17 @@ def test_peak_sideslip_leaves_out_a_car_that_stands():
     assert handling.peak_sideslip(made(twist__longitudinal=0.1, twist__lateral=0.9)) == 0.0
 
 
+def test_a_car_that_slides_backwards_has_spun_and_one_in_reverse_has_not():
+    """Turned by 100 deg while it moves on at 10 m/s; the same angle where it stands, or 80 deg, is no spin."""
+    angle = np.radians(np.linspace(0.0, 100.0, 101))
+    spun = made(twist__longitudinal=10.0 * np.cos(angle), twist__lateral=10.0 * np.sin(angle))
+    assert handling.has_spun(spun)
+    assert not handling.has_spun(made(twist__longitudinal=-10.0, twist__lateral=0.5))
+    held = made(twist__longitudinal=10.0 * np.cos(0.8 * angle), twist__lateral=10.0 * np.sin(0.8 * angle))
+    assert not handling.has_spun(held)
+    assert not handling.has_spun(Recording(np.zeros(1), {}))
+
+
 def test_yaw_rate_error_is_against_the_neutral_car_within_its_friction():
     """A neutral car turns with u delta/L = 10 0.024/2.405; on ice (mu 0.05) with mu g/u = 0.049 at most."""
     angle, wanted = 0.02405, 0.1
@@ -173,6 +184,19 @@ def test_a_plant_without_tyres_has_no_slip():
     assert metrics["slip_energy_equal_torque"].verdict == "not measured: the plant has no tyres"
     assert metrics["drive_energy_equal_torque"].value > 0.0
     assert compare.tables(asked(), {case.name: result}).splitlines()[2].split()[3:5] == ["-", "-"]
+
+
+def test_a_law_with_which_the_car_spins_is_marked_and_does_not_flatten_the_axes():
+    """Five times the angle at 0.3 g at 80 km/h turns the car round; half of it does not."""
+    (case,) = compare.cases(asked(scenario="sine_with_dwell", run="times_5_0", methods="equal_torque"))
+    spun = drive_case(case, compare.measure)
+    (case,) = compare.cases(asked(scenario="sine_with_dwell", run="times_2_5", methods="limited_slip"))
+    results = {"equal_torque": spun, "limited_slip": drive_case(case, compare.measure)}
+    lines = compare.tables(asked(), results).splitlines()[2:]
+    assert [line.startswith("equal_torque (spun)") for line in lines] == [True, False]
+    assert [row[0] for row in compare.table(asked(), results)[1]] == ["equal_torque", "limited_slip"]
+    sideslip = compare.figures(asked(), results)["overlay"].axes[1]
+    assert max(map(abs, sideslip.get_ylim())) < 60.0
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from documentation.hashes import HASHES, all_hashes, changes, hash_table, published_hashes
 from documentation.markdown import with_blocks
-from documentation.pages import CONTROL_PERIODS, RESULTS, SHCHUR, stale_pages
+from documentation.pages import CONTROL_PERIODS, README, RESULTS, SHCHUR, stale_pages
 from documentation.processors import BLOCK, PROCESSORS, processor_table
 from documentation.verdict_tables import NAMES, write_verdicts
 from ev_msgs_py.refusal import unknown_name
@@ -40,15 +40,20 @@ def main(argv: list[str] | None = None) -> None:
 
 
 def _write_results(root: Path, chosen: Sequence[str]) -> None:
+    from pictures.writing import save_pictures
+
     from documentation import results, scenario_results
 
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)
-    known = [HASHES, PROCESSORS, SHCHUR, *NAMES, *scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
+    known = [README, HASHES, PROCESSORS, SHCHUR, *NAMES]
+    known += [*scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
     for name in chosen:
         if name not in known:
             raise unknown_name("page with results", name, known)
     wanted = chosen or known
+    if README in wanted:
+        save_pictures(images)
     if HASHES in wanted:
         _write_hashes(root / HASHES)
     if PROCESSORS in wanted:

@@ -54,8 +54,9 @@ PARTS: dict[str, Callable[[], str]] = {
     "comparisons": comparisons.comparison_table,
 }
 
+README = "README.md"
 PAGES = {
-    "README.md": ("graph",),
+    README: ("graph",),
     "docs/methods.md": ("scenarios", "studies", "methods"),
     "docs/parameters.md": tuple(name for name in PARTS if name.endswith("parameters")),
     "docs/topics.md": ("topics", "wheel names", "fields"),

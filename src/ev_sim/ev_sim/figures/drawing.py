@@ -11,6 +11,7 @@ import numpy as np
 
 from ev_sim.figures.thinning import chatter, thinned
 from ev_sim.measures import motion
+from ev_sim.measures.handling import has_spun
 from ev_sim.measures.metric import NotMeasured, Runs, channel
 from ev_sim.recording.recording import Recording
 
@@ -41,6 +42,7 @@ class Curve:
     values: np.ndarray
     label: str = ""
     published: bool = False
+    spun: bool = False  # of a run in which the car has spun: other curves set the limits of the axes
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +108,8 @@ def over_time(
 
     def curves() -> list[Curve]:
         labels = [name.replace("_", " ") if len(runs) > 1 else "" for name in runs]
-        return [Curve(run.time, quantity(run), label) for label, run in zip(labels, runs.values(), strict=True)]
+        named = zip(labels, runs.values(), strict=True)
+        return [Curve(run.time, quantity(run), label, spun=has_spun(run)) for label, run in named]
 
     return panel(title, ylabel, curves, within=within)
 
@@ -230,7 +233,8 @@ def _spans(panels: Sequence[Panel]) -> list[tuple[float, float] | None]:
 
 
 def _span(panel: Panel) -> tuple[float, float] | None:
-    finite = [curve.values[np.isfinite(curve.values)] for curve in panel.curves]
+    counted = [curve for curve in panel.curves if not curve.spun] or panel.curves
+    finite = [curve.values[np.isfinite(curve.values)] for curve in counted]
     finite = [values for values in finite if len(values)]
     if not finite:
         return None

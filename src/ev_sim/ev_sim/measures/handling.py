@@ -60,6 +60,14 @@ def peak_sideslip(run: Recording) -> float:
     return float(np.abs(np.where(motion.moving(run), motion.sideslip_angle(run), 0.0)).max())
 
 
+def has_spun(run: Recording) -> bool:
+    """Whether the moving car slid backwards, its sideslip angle beyond 90 deg; not where no motion was recorded."""
+    try:
+        return peak_sideslip(run) > 0.5 * np.pi
+    except NotMeasured:
+        return False
+
+
 def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
     """Root mean square of the yaw rate less that of the linear car, while the car moves [rad/s].
 

@@ -14,6 +14,7 @@ from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.parameters.declaration import flatten
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import ROLES
+from ev_sim.measures.handling import has_spun
 from ev_sim.measures.metric import Metric, Parameters, Runs
 from ev_sim.recording.recording import atomic_file, combined_hash, signal_hash
 from ev_sim.scenarios.scenario import Run, Scenario
@@ -148,6 +149,7 @@ class Summary:
                     "samples": len(run.time),
                     "channels": len(run.channels),
                     "simulated_time": run.duration,
+                    "spun": has_spun(run),
                 }
                 for name, run in sorted(self.runs.items())
             },

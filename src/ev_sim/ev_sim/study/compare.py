@@ -21,13 +21,15 @@ from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import further_metrics, measured_metrics, row_of
 from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results, not_measured, run_of_command
+from ev_sim.study.study import Case, CaseResult, Results, not_measured, run_of_command
 
 ABOUT = "Every electronic differential on the same car in any scenario, one table and one figure"
 ROLE = "electronic_differential"
 ALL = "all"
 QUANTITIES = ("peak_sideslip", "yaw_rate_error", "peak_slip", "slip_energy", "drive_energy", "time_over_limit")
-CURVES = ("time", "x", "y", "yaw_rate", "sideslip", "speed", "torque_difference")
+CURVES = {  # over time, with their units
+    "x": "m", "y": "m", "yaw_rate": "rad/s", "sideslip": "deg", "speed": "m/s", "torque_difference": "N m"
+}  # fmt: skip
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -103,17 +105,20 @@ def table(given: argparse.Namespace, results: Results) -> tuple[Sequence[str], l
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The metrics of each method that could be driven."""
     columns, rows = table(given, results)
-    texts = [(law, *("-" if value is None else f"{value:.4g}" for value in values)) for law, *values in rows]
+    texts = [
+        (marked(law, results[law]), *("-" if value is None else f"{value:.4g}" for value in values))
+        for law, *values in rows
+    ]
     lacking = not_measured(list(_shown(given, results)), results)
     return "\n".join(filter(None, (text_table(columns, texts, left=columns[:1]), lacking)))
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """Paths, and yaw rate, sideslip angle, speed and torque difference over time, all methods one over the other."""
-    driven = {name: result.measured for name, result in results.items() if not result.refused}
+    driven = {name: result for name, result in results.items() if not result.refused}
 
     def over_time(title: str, ylabel: str, quantity: str):
-        return panel(title, ylabel, lambda: [Curve(m["time"], m[quantity], name) for name, m in driven.items()])
+        return panel(title, ylabel, lambda: [_curve(name, of, "time", quantity) for name, of in driven.items()])
 
     panels = [
         over_time("Yaw rate", "yaw rate [rad/s]", "yaw_rate"),
@@ -121,8 +126,17 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
         over_time("Speed", "speed [m/s]", "speed"),
         over_time("Torque request, right minus left", "torque [N m]", "torque_difference"),
     ]
-    tracks = [Curve(m["x"], m["y"], name) for name, m in driven.items()]
+    tracks = [_curve(name, of, "x", "y") for name, of in driven.items()]
     return {"overlay": sheet(panels, "time [s]"), "paths": plan_view(f"Paths, {given.scenario}", tracks)}
+
+
+def _curve(name: str, of: CaseResult, x: str, y: str) -> Curve:
+    return Curve(of.measured[x], of.measured[y], marked(name, of), spun=of.spun)
+
+
+def marked(name: str, of: CaseResult) -> str:
+    """The name of a law, and that the car has spun with it."""
+    return f"{name} (spun)" if of.spun else name
 
 
 def _right_minus_left(recording: Recording) -> np.ndarray:

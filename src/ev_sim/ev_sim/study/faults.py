@@ -93,6 +93,7 @@ COLUMNS = ("fault", "law", "asr", *(f"{road}: {what}" for road in ROADS for what
 LEFT = 3
 SUMS = ("safe_",)
 SHORTEST = BEGIN
+CURVES = {"deviation": "m", "yaw_rate": "deg/s"}  # over time, with their units
 
 
 def laws() -> list[str]:

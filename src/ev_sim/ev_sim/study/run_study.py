@@ -31,6 +31,7 @@ from ev_sim.study.study import Case, CaseResult, Results, Study, run_of, study_n
 from ev_sim.study.workers import drive_cases, estimated_time
 
 _EVERY_NODE, _FILE = "*", "file"
+_NAMED = 5  # cases of one kind, in a line
 
 
 def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
@@ -152,7 +153,10 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         if not given.no_report:
             from ev_sim.report.page.writing import Page, images_of, measured_signals, write_page
 
-            series = measured_signals({case: result.measured for case, result in results.items()})
+            measured = {case: result.measured for case, result in results.items()}
+            series = measured_signals(
+                measured, getattr(study, "CURVES", {}), [each.name for each in driven if each.spun]
+            )
             shown = Page(name, {"": content}, series, images_of(figures, folder.directory), tables)
             write_page(shown, folder.directory / PAGE)
     if tables:
@@ -163,6 +167,9 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     for reason in dict.fromkeys(result.refused for result in driven if result.refused):
         of = [result for result in driven if result.refused == reason]
         print(f"not {'measured' if of[0].signal_hash else 'driven'}: {', '.join(r.name for r in of)}: {reason}")
+    if spun := [result.name for result in driven if result.spun]:
+        more = f" and {len(spun) - _NAMED} more" if len(spun) > _NAMED else ""
+        print(f"spun, by more than 90 deg: {', '.join(spun[:_NAMED])}{more}")
     _print_notes(driven)
     print(f"signal hash {content['signal_hash']}")
     again = f", {before} of them driven before (--anew drives them again)" if before else ""
@@ -272,6 +279,7 @@ def _entry(case: Case, result: CaseResult, signals: str | None) -> dict[str, Any
         "signal_hash": result.signal_hash,
         "refused": result.refused,
         "notes": list(result.notes),
+        "spun": result.spun,
         "signals": signals,
         "measured": plain,
     }

@@ -14,6 +14,7 @@ from typing import Any, Protocol
 from ev_core.methods.register import methods_of, node_package, offered, offered_module
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.command_line.options import overrides
+from ev_sim.measures.handling import has_spun
 from ev_sim.measures.metric import Metric, NotMeasured, metric
 from ev_sim.recording.offline import run_offline, true_motion
 from ev_sim.recording.recording import Recording, signal_hash
@@ -47,7 +48,7 @@ class Case:
 class CaseResult:
     """What a study has measured on a case, or in `refused` one line on why it cannot be driven or measured.
 
-    `simulated_time` and `wall_time` [s] are those of driving, `notes` what its nodes noted.
+    `simulated_time` and `wall_time` [s] are those of driving, `notes` what its nodes noted, `spun` whether the car has.
     """
 
     name: str
@@ -57,6 +58,7 @@ class CaseResult:
     wall_time: float = 0.0
     refused: str = ""
     notes: tuple[str, ...] = ()
+    spun: bool = False
 
 
 def drive_case(case: Case, measure: Measure) -> CaseResult:
@@ -77,7 +79,9 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
     wall_time = time.monotonic() - start
     driven = CaseResult(case.name, {}, signal_hash(recording), run.duration, wall_time, "", tuple(dict.fromkeys(notes)))
     try:
-        return replace(driven, measured=measure(true_motion(recording, run.configurations), run))
+        motion = true_motion(recording, run.configurations)
+        driven = replace(driven, spun=has_spun(motion))
+        return replace(driven, measured=measure(motion, run))
     except OSError:
         raise
     except NotMeasured as why:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ev_msgs_py.contract.topics import TOPICS, Topic
 
 
-def groups_of(channels: Iterable[str]) -> list[dict[str, Any]]:
+def groups_of(channels: Iterable[str], units: Mapping[str, str] | None = None) -> list[dict[str, Any]]:
     """Topics with their fields and these with their curves, in the order of the table of topics.
 
-    What stands in no topic makes groups by the first part of its name if there is one, without unit and meaning.
+    What stands in no topic makes groups by the first part of its name if there is one, with its unit by name in
+    `units` and without meaning.
     """
     names = set(channels)
     known = [group for topic in TOPICS.values() if (group := _of_topic(topic, names))["plots"]]
@@ -20,7 +21,7 @@ def groups_of(channels: Iterable[str]) -> list[dict[str, Any]]:
     for name in sorted(names - listed):
         first, dot, _ = name.partition(".")
         others.setdefault(first if dot else "measured", []).append(name)
-    return [*known, *(_unknown(first, members) for first, members in others.items())]
+    return [*known, *(_unknown(first, members, units or {}) for first, members in others.items())]
 
 
 def _of_topic(topic: Topic, names: set[str]) -> dict[str, Any]:
@@ -36,9 +37,14 @@ def _of_topic(topic: Topic, names: set[str]) -> dict[str, Any]:
     return {"title": topic.name, "about": about, "plots": plots}
 
 
-def _unknown(first: str, members: Sequence[str]) -> dict[str, Any]:
+def _unknown(first: str, members: Sequence[str], units: Mapping[str, str]) -> dict[str, Any]:
     plots = [
-        {"title": _words(name.partition(".")[2] or name), "unit": "", "about": "", "curves": [_curve(name, name)]}
+        {
+            "title": _words(name.partition(".")[2] or name),
+            "unit": units.get(name, ""),
+            "about": "",
+            "curves": [_curve(name, name)],
+        }
         for name in members
     ]
     return {"title": first, "about": "", "plots": plots}

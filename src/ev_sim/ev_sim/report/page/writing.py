@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
@@ -17,8 +17,10 @@ from ev_core.parameters.data_file import TIME
 from ev_core.parameters.declaration import entries
 from ev_core.vehicle.description import Vehicle
 from ev_sim.figures.drawing import Figure
+from ev_sim.measures.handling import has_spun
 from ev_sim.measures.metric import Runs
 from ev_sim.recording.recording import Recording, atomic_file
+from ev_sim.report.page.parameter_units import unit_of
 from ev_sim.report.page.plot_groups import groups_of
 from ev_sim.views.car import PREFIX, car_of, view_channels
 
@@ -98,12 +100,15 @@ _PLANES = (3, 2)  # bytes of a sample that are tried, one after the other
 class Signals:
     """The runs of one result; `label` distinguishes results of one page, empty if alone.
 
-    Without the `vehicle` that drove them nothing is seen from above.
+    Without the `vehicle` that drove them nothing is seen from above. `units` are those of channels that belong to no
+    topic. Runs in which the car has spun do not set the limits of axes; `spun` names those that do not hold its motion.
     """
 
     label: str
     runs: Runs
     vehicle: Vehicle | None
+    units: Mapping[str, str] = field(default_factory=dict)
+    spun: Collection[str] = ()
 
 
 @dataclass
@@ -146,12 +151,14 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
                 {
                     "name": f"{result.label}: {name}" if result.label else name,
                     "car": car_of(car) if car else None,
+                    "spun": name in result.spun or has_spun(run),
                     "time": placed(pack(thinned.time, planes=3, step=_period(run.time))),
                     "channels": {key: placed(pack(values, planes)) for key, values in thinned.channels.items()},
                 }
             )
     names = dict.fromkeys(key for run in runs for key in run["channels"] if not key.startswith(PREFIX))
-    return SignalData({"runs": runs, "groups": groups_of(names)}, list(places), _precision(planes, every))
+    units = {name: unit for result in results for name, unit in result.units.items()}
+    return SignalData({"runs": runs, "groups": groups_of(names, units)}, list(places), _precision(planes, every))
 
 
 def _period(time: np.ndarray) -> float | None:
@@ -180,11 +187,13 @@ def by_result(summaries: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]
     return rows
 
 
-def measured_signals(measured: Mapping[str, Mapping[str, Any]]) -> tuple[Signals, ...]:
-    """What was measured over `time` on each case, if there is such a thing on any."""
+def measured_signals(
+    measured: Mapping[str, Mapping[str, Any]], units: Mapping[str, str], spun: Collection[str]
+) -> tuple[Signals, ...]:
+    """What was measured over `time` on each case, in these units, if there is such a thing on any."""
     series = {name: _series(values) for name, values in measured.items()}
     runs = {name: found for name, found in series.items() if found is not None}
-    return (Signals("", runs, None),) if runs else ()
+    return (Signals("", runs, None, units, spun),) if runs else ()
 
 
 def _series(values: Mapping[str, Any]) -> Recording | None:
@@ -231,6 +240,7 @@ def write_page(page: Page, path: Path) -> None:
         metrics=by_result(page.summaries),
         data=signal_data(page.signals),
         car={entry.name: entry.spec for entry in entries(Vehicle)},
+        unit=unit_of,
     )
     with atomic_file(path) as file:
         file.write(text.encode())

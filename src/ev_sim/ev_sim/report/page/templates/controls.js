@@ -54,7 +54,7 @@ function rowOf(node, parameter, label, wish) {
   field.addEventListener("change", () => ask(isFlag ? field.checked : field.value));
   slider?.input.addEventListener("input", () => { field.value = slider.value(); });
   slider?.input.addEventListener("change", () => ask(slider.value()));
-  const named = element("label", label);
+  const named = element("label", label.replace(/[._]/g, "$&\u200b")); // where a long name may be broken
   named.append(field);
   row.append(named);
   if (slider) row.append(slider.box);

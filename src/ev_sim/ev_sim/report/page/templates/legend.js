@@ -17,7 +17,7 @@ function nameLegend(chart) {
 
 /** The name of a run in words. */
 function nameOf(run) {
-  return run.name.replaceAll("_", " ");
+  return run.name.replaceAll("_", " ") + (run.spun ? " (spun)" : "");
 }
 
 /** A new element with text and attributes. */

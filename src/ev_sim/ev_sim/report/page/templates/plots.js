@@ -17,7 +17,7 @@ class Plot {
     if (this.asked) return;
     this.asked = true;
     await Promise.all(this.siblings.map((plot) => plot.load())); // they share an ordinate
-    this.draw();
+    if (!this.chart) this.draw();
   }
 
   load() {
@@ -35,7 +35,13 @@ class Plot {
     return difference(await instants(run), values, await instants(this.minus), other);
   }
 
+  /** Draw for print what was never in sight, if its samples are there. */
+  drawLoaded() {
+    if (!this.chart && this.siblings.every((plot) => plot.series)) this.draw();
+  }
+
   draw() {
+    this.asked = true;
     const together = this.times.every((times) => sameTimes(times, this.times[0]));
     const data = together
       ? [this.times[0], ...this.series]
@@ -50,13 +56,17 @@ class Plot {
     queueMicrotask(() => this.followTime()); // uPlot fixes its scales in a microtask of its own
   }
 
-  /** Lowest and highest value between two instants, of this plot and of those that share its ordinate. */
+  /** Lowest and highest value between two instants, of this plot and of those that share its ordinate.
+
+      Of runs in which the car has spun only if no others are shown: they would flatten these. */
   extent(begin, end) {
     let low = Infinity;
     let high = -Infinity;
+    const isShown = (plot, n) => !plot.chart || plot.chart.series[n + 1].show;
+    const allSpun = this.siblings.every((plot) => plot.curves.every(({ run }, n) => run.spun || !isShown(plot, n)));
     for (const plot of this.siblings) {
       (plot.series || []).forEach((values, n) => {
-        if (plot.chart && !plot.chart.series[n + 1].show) return;
+        if (!isShown(plot, n) || (plot.curves[n].run.spun && !allSpun)) return;
         const times = plot.times[n];
         const last = Math.min(indexAt(times, end) + 1, times.length - 1);
         for (let i = indexAt(times, begin); i <= last; i++) {

@@ -48,7 +48,23 @@ async function show() {
   await showCars(runs);
   clock.set(clock.now);
   document.body.dataset.ready = "yes";
+  for (const plot of [...plots.values()]) await plot.load(); // so that the page can be printed at any time
+  document.body.dataset.loaded = "yes";
 }
+
+/** Let the page count as loaded, and a printer wait, until something is done: a document that is open is loading. */
+async function loadingUntil(done) {
+  const frame = element("iframe", "", { hidden: "" });
+  document.body.append(frame);
+  frame.contentDocument.open();
+  await done;
+  frame.contentDocument.close();
+  frame.remove();
+}
+
+window.addEventListener("beforeprint", () => {
+  for (const plot of plots.values()) plot.drawLoaded();
+});
 
 let stepOf = () => 0;
 let timeOf = () => 0;
@@ -79,4 +95,4 @@ bar.all.addEventListener("click", () => clock.all());
 for (const select of [bar.first, bar.second, bar.how]) select.addEventListener("change", show);
 
 fillRuns();
-show();
+loadingUntil(show());

@@ -30,7 +30,6 @@ class CarView {
     this.where = element("span");
     tools.append(this.wide, " ", this.where);
     this.columns = COLUMNS.filter(([, channel]) => run.channels[`${channel}.front_left`]);
-    this.cells = [];
     const wheels = element("details");
     wheels.open = !clock.follows;
     wheels.append(element("summary", "Wheels"), this.table());
@@ -44,13 +43,13 @@ class CarView {
     const scroll = element("div", "", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Wheels of ${nameOf(this.run)}` });
     const table = element("table");
     const head = element("tr");
-    head.append(element("th", "wheel", { scope: "col" }));
-    for (const [title] of this.columns) head.append(element("th", title, { scope: "col" }));
+    for (const title of ["", ...this.car.wheels.map((wheel) => wheel.name)]) head.append(element("th", title, { scope: "col" }));
     table.append(head);
-    for (const wheel of this.car.wheels) {
+    this.cells = this.car.wheels.map(() => []); // by wheel and quantity
+    for (const [title] of this.columns) {
       const row = element("tr");
-      row.append(element("th", wheel.name, { scope: "row" }));
-      this.cells.push(this.columns.map(() => row.appendChild(element("td"))));
+      row.append(element("th", title, { scope: "row" }));
+      for (const cells of this.cells) cells.push(row.appendChild(element("td")));
       table.append(row);
     }
     scroll.append(table);
@@ -131,7 +130,8 @@ class CarView {
 function showCars(runs) {
   const holder = document.getElementById("cars");
   holder.replaceChildren();
-  document.getElementById("view").hidden = !runs.some((run) => run.car);
+  const seen = document.querySelectorAll("#view, nav [href='#view']");
+  for (const each of seen) each.hidden = !runs.some((run) => run.car);
   views = runs.filter((run) => run.car).map((run) => new CarView(run, holder));
   return Promise.all(views.map((view) => view.load()));
 }

@@ -7,7 +7,6 @@ import threading
 import time
 from array import array
 from collections.abc import Callable
-from itertools import count
 from typing import Any
 
 from ev_core.nodes.ros_parameters import descriptor
@@ -25,8 +24,6 @@ class FedPage:
 
     def __init__(self) -> None:
         self.wishes: list[dict[str, Any]] = []
-        self.title = ""  # of the graph that is shown, never the same twice
-        self._number = count()
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever)
         self._thread.start()
@@ -38,8 +35,8 @@ class FedPage:
 
         return asyncio.run_coroutine_threadsafe(called(), self._loop).result()
 
-    def begin(self, run: Run, recording: Recording) -> None:
-        """Another graph, with the first half of what it drives."""
+    def begin(self, run: Run, recording: Recording, title_text: str) -> None:
+        """Another graph under a title, with the first half of what it drives."""
         messages = [
             node_message(name, [descriptor(entry) for entry in each.entries()], each.values().values())
             for name, each in run.configurations.items()
@@ -48,8 +45,7 @@ class FedPage:
         channels = {**recording.channels, **view_channels(recording, car)}
         numbers = zip(recording.time, *channels.values(), strict=True)
         self._rows = [array("d", row).tobytes() for row in numbers]
-        self.title = f"EV Control Stack {run.namespace} {next(self._number)}"
-        title = {"kind": "title", "text": self.title}
+        title = {"kind": "title", "text": title_text}
         for message in (title, *messages, layout_message([*channels], car)):
             self._in_loop(lambda message=message: self.pages.tell(message))
         self._send(self._rows[: len(self._rows) // 2])
