@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from ev_core.vehicle.files import read_tyre
 from ev_core.vehicle.tyre import MF_NAMES, mf_tyres
 from ev_sim.commands.run_scenario import main
 from ev_sim.measured.magic_formula import Points, combined_lateral, combined_longitudinal
+from ev_sim.measured.rig import read_rig
 from ev_sim.measured.tyre_fit import FIXED
 from ev_sim.tyres.mf_tyre import at_load, forces, is_plain
 
@@ -63,20 +66,18 @@ def rig(noise: float = 0.0) -> dict[str, np.ndarray]:
     return {**columns, "IA": np.zeros(len(columns["ET"])), "P": np.full(len(columns["ET"]), 200.0)}
 
 
-@pytest.mark.parametrize("kind", ["csv", "mat"])
-def test_a_made_tyre_is_found_again_and_its_file_is_read(tmp_path, capsys, kind):
+def write(path: Path, columns: dict[str, np.ndarray]) -> Path:
+    rows = np.stack(list(columns.values()), axis=1)
+    path.write_text("\n".join((",".join(columns), *(",".join(map(str, row)) for row in rows))))
+    return path
+
+
+def test_a_made_tyre_is_found_again_and_its_file_is_read(tmp_path, capsys):
     """Noise of 30 N on forces of up to 7 kN is 0.4 %: unseen sweeps within 1 %, and the plant reads the file.
 
     The friction of the road is the named factor times that of the belt.
     """
-    columns, path = rig(30.0), tmp_path / f"rig.{kind}"
-    if kind == "csv":
-        rows = np.stack(list(columns.values()), axis=1)
-        path.write_text("\n".join((",".join(columns), *(",".join(map(str, row)) for row in rows))))
-    else:
-        from scipy.io import savemat
-
-        savemat(path, columns)
+    path = write(tmp_path / "rig.csv", rig(30.0))
     main(["identify", "--tyre", str(path), "--friction-scale", "0.8", "--out", str(tmp_path / "out")])
     assert "combined lateral" in capsys.readouterr().out
     found = json.loads((tmp_path / "out" / "summary.json").read_text())
@@ -86,6 +87,15 @@ def test_a_made_tyre_is_found_again_and_its_file_is_read(tmp_path, capsys, kind)
     truth = dict(zip(MF_NAMES, NUMBERS, strict=True))
     nominal = truth["pdy1"] + truth["pdy2"] * (read["fnomin"] - truth["fnomin"]) / truth["fnomin"]
     assert read["pdy1"] == pytest.approx(0.8 * nominal, rel=0.02)
+
+
+def test_a_matlab_file_is_the_same_as_its_table(tmp_path):
+    columns = rig()
+    savemat(tmp_path / "rig.mat", columns)
+    one, other = read_rig([write(tmp_path / "rig.csv", columns)]), read_rig([tmp_path / "rig.mat"])
+    assert one.count == other.count == 24
+    assert one.is_lateral.sum() == other.is_lateral.sum() == 6 * 120
+    assert (one.points.lateral_force == other.points.lateral_force).all()
 
 
 def test_what_is_no_rig_data_is_refused(tmp_path):

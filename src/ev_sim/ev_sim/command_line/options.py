@@ -36,6 +36,13 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument(
         "--node", action="append", default=[], metavar="NODE=COMMAND", help="your own node in the place of ours"
     )
+    parser.add_argument(
+        "--processor",
+        action="append",
+        default=[],
+        metavar="NODE=PROCESSOR",
+        help="a law as a program on aarch64 or arm (emulated), or by a command; drives without DDS",
+    )
     parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/SCENARIO")
     parser.add_argument("--no-record", action="store_true", help="no bag; signals, metrics and figures all the same")
     parser.add_argument(TRACEBACK, action="store_true", help="how Python came to an error, before its line")
@@ -44,6 +51,10 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     given.command = command_of(sys.argv[1:] if argv is None else argv)
     if not given.list and given.scenario is None:
         parser.error("which scenario? --list shows them")
+    if given.processor:
+        if given.in_process or given.realtime or given.node:
+            parser.error("--processor drives without DDS: leave out --in-process, --realtime and --node")
+        given.offline = True
     if given.offline and given.realtime:
         parser.error("--realtime needs DDS: leave out --offline")
     if given.node and (given.offline or given.in_process):
@@ -106,6 +117,11 @@ def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
         except ValueError as error:
             raise ParameterError(f"--node {quoted(word)} is refused: {error}") from None
     return commands
+
+
+def processors(given: argparse.Namespace) -> dict[str, str]:
+    """By role the processor, or the command of a program, that a law runs on."""
+    return dict(_split(word, "=", "--processor", "NODE=PROCESSOR") for word in given.processor)
 
 
 def overrides(given: argparse.Namespace) -> Overrides:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from ev_core.parameters.data_file import TABLE, read_data
 from ev_msgs_py.refusal import LINE, quoted, shown
-from ev_sim.command_line.options import overrides, own_nodes
+from ev_sim.command_line.options import overrides, own_nodes, processors
 from ev_sim.figures.saving import figure_files
 from ev_sim.measures.own_metrics import listed
 from ev_sim.recording.outcome import Outcome, RunFailed, progress_bar
@@ -33,6 +33,13 @@ def drive_scenario(given: argparse.Namespace) -> None:
     """Drive all runs of a scenario and report; raises what `ev_sim.commands.run_scenario.main` catches."""
     scenario = load_scenario(given.scenario, replace(overrides(given), metrics=listed(given.metrics)))
     _refuse_without_ros(given)
+    on_processors = []
+    if given.processor:
+        from ev_sim.export.on_processor import with_processors
+
+        moved = [with_processors(run, processors(given)) for run in scenario.runs]
+        scenario = replace(scenario, runs=tuple(run for run, _ in moved))
+        on_processors = [each for _, made in moved for each in made]
     out = given.out or Path("results") / scenario.name
     way = "offline" if given.offline else "in-process" if given.in_process else "processes"
     commands = {role: " ".join(words) for role, words in own_nodes(given).items()}
@@ -54,6 +61,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
         print(f"not reproducible: {reason}")
     for timing in summary.timing.values():
         print(in_words(timing))
+    for each in on_processors:
+        print(each.report)
     print(f"signal hash {content['signal_hash']}")
     print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
     page = "" if given.no_report else "report.html, "

@@ -72,12 +72,12 @@ class Part(NamedTuple):
 class Content:
     """A run with `only` some of its roles, or `without` some, as `ev_sim.Simulation` steps it.
 
-    What the roles that are left out would write are its inputs.
+    What the roles that are left out would write are its inputs. `bare` are those kept without their sensors and faults.
 
     ParameterError, in one line, for an unknown role, for one that is not compiled, and where nothing is left.
     """
 
-    def __init__(self, run: Run, only: Collection[str] = (), without: Collection[str] = ()) -> None:
+    def __init__(self, run: Run, only: Collection[str] = (), without: Collection[str] = (), bare: bool = False) -> None:
         for role in (*only, *without):
             if role not in run.configurations:
                 raise unknown_name("role", role, run.configurations)
@@ -93,7 +93,7 @@ class Content:
             first = 0
         before = answering[:first]
         required = {name for each in run.configurations.values() for name in each.method.requires}
-        self.parts = [part for each in self._kept.values() for part in _parts(each, required)]
+        self.parts = [part for each in self._kept.values() for part in _parts(each, required, bare)]
         self.before = sum(part.role in before for part in self.parts)
         self.answering = sum(part.role in answering for part in self.parts)
         # The random parts of a method, such as a road, are constants: another seed would need others.
@@ -132,7 +132,7 @@ def _channels(signals: Iterable[type]) -> list[Channel]:
     return sorted(found, key=lambda channel: channel.place)
 
 
-def _parts(configuration: Configuration, required: Collection[str]) -> list[Part]:
+def _parts(configuration: Configuration, required: Collection[str], bare: bool) -> list[Part]:
     """The part of a method, and those of its sensors and faults."""
     method, told, common = configuration.method, configuration.told, configuration.common
     role, vehicle, period = configuration.role, common.vehicle, common.control_period
@@ -147,7 +147,7 @@ def _parts(configuration: Configuration, required: Collection[str]) -> list[Part
     span, again = frame.span(method.writes), tuple(int(n) for n in restarts(configuration) if n < math.inf)
     state = numbers(given.values["s"])
     parts = [Part(role, code, constants, state, *span, tunables=tuple(tunables), restarts=again)]
-    for each in rows_of(configuration):
+    for each in () if bare else rows_of(configuration):
         seed = measuring.SEED if isinstance(each, SensorRow) else row.SEED
         seeds = tuple(range(each.head + seed, len(each.constants), each.width))
         parts.append(Part(role, ROW_CODE[type(each)], list(each.constants), list(each.state), *span, seeds))

@@ -5,6 +5,8 @@ The requests are those of the program's source, NAME_program.c, byte by byte.
 
 from __future__ import annotations
 
+import os
+import select
 import struct
 import subprocess
 from collections.abc import Sequence
@@ -21,6 +23,7 @@ from ev_sim.export.targets import Target
 
 _OPTIONS = ("-std=gnu99", "-O2", "-ffp-contract=off")
 _NAME = "model"
+PATIENCE = 60.0  # s, with a program that does not answer
 _AT_ONCE = 1000  # steps, whose requests fit into a pipe while the program waits for its answers to be read
 _IDENTITY, _STATUS, _MEASURED = struct.Struct("<Q3I"), struct.Struct("<i"), struct.Struct("<QQI")
 
@@ -124,15 +127,21 @@ class Program:
         to, by = self._process.stdin, self._process.stdout
         assert to is not None
         assert by is not None
+        answer = bytearray()
         try:
             to.write(request)
             to.flush()
-            answer = by.read(size)
+            while len(answer) < size:
+                if not select.select([by], [], [], PATIENCE)[0]:
+                    raise self._refused(f"no answer within {PATIENCE:g} s")
+                if not (more := os.read(by.fileno(), size - len(answer))):
+                    break
+                answer += more
         except OSError:
-            answer = b""
+            pass
         if len(answer) < size:
             raise self._refused("it has ended, or does not know the protocol of here")
-        return answer
+        return bytes(answer)
 
     def _refused(self, why: str) -> ParameterError:
         return ParameterError(f"program {' '.join(self._command)}: {why}")

@@ -1,0 +1,65 @@
+"""Processor in the loop: a law that runs as a program elsewhere leaves every signal of a run as it is, to the bit."""
+
+from __future__ import annotations
+
+import shutil
+
+import pytest
+
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.commands.ev_stack import perform
+from ev_sim.export import program
+from ev_sim.export.on_processor import with_processors
+from ev_sim.interface.driving import only_run, overrides
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import signal_hash
+
+SECONDS = 0.5
+EMULATORS = {"x86_64": "gcc", "aarch64": "qemu-aarch64", "arm": "qemu-arm"}
+
+
+def run(*faults: str):
+    """The faults of the role stay here, behind the program."""
+    return only_run("shchur2019", "", overrides(duration=SECONDS, set={"driver.faults": list(faults)}))
+
+
+def hash_of(driven) -> str:
+    return signal_hash(run_offline(driven.configurations, driven.duration))
+
+
+@pytest.mark.parametrize("processor", EMULATORS)
+def test_the_signals_are_those_of_the_plain_run(processor):
+    if not shutil.which(EMULATORS[processor]):
+        pytest.skip(f"{EMULATORS[processor]} is not installed")
+    plain = run("noisy driver.command.drive_torque 5.0")
+    moved, (driver,) = with_processors(plain, {"driver": processor})
+    assert hash_of(moved) == hash_of(plain)
+    steps = round(SECONDS / 0.01) + 1  # the law answers at both ends
+    assert f"driver on {processor}: {steps} steps" in driver.report
+
+
+@pytest.mark.parametrize(
+    ("faults", "role", "where", "line"),
+    [
+        ((), "plant", "arm", "plant is refused, allowed are roles that answer"),
+        ((), "pilot", "arm", "unknown role 'pilot'"),
+        (("restarted driver.command from 0.1 until 0.2",), "driver", "arm", "has a fault `restarted`"),
+    ],
+)
+def test_what_cannot_run_elsewhere_is_one_line(faults, role, where, line):
+    with pytest.raises(ParameterError) as refused:
+        with_processors(run(*faults), {role: where})
+    assert line in str(refused.value)
+
+
+@pytest.mark.parametrize("command", ["/nowhere/program", "cat", "true"])
+def test_a_program_that_is_none_of_ours_ends_the_run_by_name(command, monkeypatch):
+    monkeypatch.setattr(program, "PATIENCE", 0.5)  # cat gives the request back, and waits for more
+    moved, _ = with_processors(run(), {"driver": command})
+    with pytest.raises(ParameterError, match=f"program {command}"):
+        hash_of(moved)
+
+
+def test_nodes_over_dds_are_not_asked_for_as_well():
+    with pytest.raises(SystemExit):
+        perform(["run", "shchur2019", "--processor", "driver=arm", "--in-process"])
