@@ -28,7 +28,7 @@ MANOEUVRES = (
     "step_steer",
     "straight_brake_split_mu",
 )
-STUDIES = ("asr_shootout", "bench_faults", "compare", "faults", "sweep")
+STUDIES = ("asr_shootout", "bench_faults", "compare", "energy", "faults", "sweep")
 IS_COLCON = not {"install", "develop"}.isdisjoint(sys.argv)
 
 # ev_sim/config is a link to the folder at the top of the repository.

@@ -23,6 +23,7 @@ class Car(Vehicle):
     driven: list[float]
     number_driven: float
     driven_wheel_inertia: list[float]
+    constant_rolling_resistance: float
     rolling_resistance_growth: float
     pitch_height: float
     roll_height: float
@@ -42,6 +43,7 @@ def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
 
     - `driven`: 1 for a wheel with a motor, else 0, in the order of Wheels, and `number_driven`, their sum,
     - `driven_wheel_inertia`: of each wheel, where it is driven with its rotors behind their gear [kg m^2],
+    - `constant_rolling_resistance`: the rolling resistance coefficient at rest, f_0 or A/(m g) of the road load [1],
     - `rolling_resistance_growth`: of the rolling resistance coefficient over V^2 [s^2/m^2],
     - `front_roll_share`: of the front axle in the lateral load transfer [1], by roll stiffness where that is given,
     - `pitch_height`, `roll_height`: height of the centre of mass [m] by which longitudinal and lateral acceleration
@@ -54,6 +56,8 @@ def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
         "driven": driven,
         "number_driven": sum(driven),
         "driven_wheel_inertia": wheel_inertias(vehicle),
+        "constant_rolling_resistance": vehicle.rolling_resistance
+        + vehicle.road_load.constant / (vehicle.mass * GRAVITY),
         "rolling_resistance_growth": vehicle.rolling_resistance_growth,
         "front_roll_share": vehicle.front_share_of_roll,
         "pitch_height": vehicle.centre_of_mass_height if vehicle.load_transfer == "both" else 0.0,

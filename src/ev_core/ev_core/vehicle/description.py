@@ -76,6 +76,17 @@ class Suspension:
         return (front_load_share * self.front_roll_centre_height + (height - axis) * elastic) / height
 
 
+@dataclass(frozen=True, slots=True)
+class RoadLoad:
+    """Resistance of a car on a level road, A + B V + C V^2, as a coast-down or a dynamometer gives it."""
+
+    constant: float = setting(
+        0.0, unit="N", low=0.0, high=1e5, about="constant part, A, of which each wheel takes the share of its load"
+    )
+    linear: float = setting(0.0, unit="N s/m", low=-100.0, high=1e4, about="part that grows with the speed, B")
+    quadratic: float = setting(0.0, unit="N s^2/m^2", low=0.0, high=100.0, about="part that grows with its square, C")
+
+
 LOAD_TRANSFERS = ("both", "lateral", "none")
 
 
@@ -194,6 +205,7 @@ class Vehicle:
     blend_fade_speed: float = setting(
         10.0, unit="rad/s", low=0.1, high=1e3, about="wheel speed below which motors hand braking back to the brakes"
     )
+    road_load: RoadLoad = group(RoadLoad)
     suspension: Suspension = group(Suspension)
     tyre: Tyre = group(Tyre)
     motor: Motor = group(Motor)
@@ -216,6 +228,9 @@ class Vehicle:
                 f"maximum_road_wheel_angle: {largest:g} is refused, allowed is below {across:.4g}, where by "
                 "steering_geometry ackermann the inner front wheel stands across the car"
             )
+        given = [name for name in ("rolling_resistance", "drag_coefficient") if getattr(self, name) > 0.0]
+        if given and self.road_load != RoadLoad():
+            raise ParameterError(f"road_load stands in the place of {' and '.join(given)}, allowed is 0 for both")
         refuse_drive_train(self)
         if self.suspension.has_roll_stiffness:
             if self.centre_of_mass_height <= 0.0:

@@ -67,12 +67,16 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
         def measured() -> float:
             if any((*road.get("road.grade", ()), *road.get("road.side_slope", ()))):
                 raise NotMeasured("the road is not level, and what its slope gives would count as road load")
+            if vehicle.road_load.linear != 0.0:
+                raise NotMeasured("f_0 and c_d A do not describe a road load with a part in proportion to the speed")
             return measure()
 
         return measured
 
+    rolling = vehicle.rolling_resistance + vehicle.road_load.constant / (vehicle.mass * GRAVITY)
     area = vehicle.drag_coefficient * vehicle.frontal_area
     if vehicle.air_density > 0.0:  # the part of the rolling resistance that grows with V^2 looks like drag
+        area += 2 * vehicle.road_load.quadratic / vehicle.air_density
         area += 2 * vehicle.mass * GRAVITY * vehicle.rolling_resistance_growth / vehicle.air_density
     return motion.of_each_run(
         runs,
@@ -81,7 +85,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
                 level(lambda: road_load(run, vehicle)[0]),
                 "1",
                 "f_0 of m_e dV/dt = -m g f_0 - rho c_d A V^2/2, by least squares",
-                reference=_described(vehicle.rolling_resistance, "f_0"),
+                reference=_described(rolling, "f_0"),
             ),
             "drag_area": metric(
                 level(lambda: road_load(run, vehicle)[1]),

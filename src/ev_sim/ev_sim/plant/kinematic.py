@@ -183,11 +183,11 @@ def kinematic(
     s.path_curvature = path_curvature(angle, base, behind)
     s.course_offset = course_offset(angle, base, behind)
     ratios = wheel_speed_ratios(angle, base, car.front_track, car.rear_track, behind)
-    rolling_resistance = car.rolling_resistance * car.mass * GRAVITY
+    rolling_resistance = car.constant_rolling_resistance * car.mass * GRAVITY
     brake, torques = held.brake, held.drive
     # Sums go axle by axle, so that mirrored cars stay mirrored to the last bit.
     friction = rolling_resistance + ((brake[0] + brake[1]) + (brake[2] + brake[3])) / car.wheel_radius
-    drag = 0.5 * car.air_density * car.drag_coefficient * car.frontal_area
+    drag = 0.5 * car.air_density * car.drag_coefficient * car.frontal_area + car.road_load.quadratic
     sub_steps = max(1, math.ceil(period / p.sub_step - 1e-9))
     step = period / sub_steps
     speed_before = s.speed
@@ -197,7 +197,7 @@ def kinematic(
     for _ in range(sub_steps):
         front = advance_wheel(p, car, s, 0, torques[0], step) + advance_wheel(p, car, s, 1, torques[1], step)
         rear = advance_wheel(p, car, s, 2, torques[2], step) + advance_wheel(p, car, s, 3, torques[3], step)
-        force = (front + rear) / car.wheel_radius - drag * s.speed * abs(s.speed)
+        force = (front + rear) / car.wheel_radius - drag * s.speed * abs(s.speed) - car.road_load.linear * s.speed
         s.speed, moved = move_with_dry_friction(s.speed, force, friction, car.mass, step)
         distance += moved
     for i in range(4):

@@ -15,7 +15,7 @@ from ev_core.law import NO_WHEELS, Car, Vehicle, Wheels, copysign, cos, inlined,
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.car import car_numbers, front_wheel_tangents
 from ev_sim.plant.planar import planar_state as state
-from ev_sim.plant.planar.contact import find_road, look, within_friction
+from ev_sim.plant.planar.contact import find_road, look, speed_resistance, within_friction
 from ev_sim.plant.planar.given import SPEED_FREE, BodyConstants, PlanarParameters, body_constants
 from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE, WHEEL_SPEED, Row, Step
 from ev_sim.plant.planar.prepare import road_tables
@@ -104,7 +104,7 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
     step.load[0], step.load[1], step.load[2], step.load[3] = load
     look(y, car, body, step, starts)
     at = step.contact
-    rolling = car.rolling_resistance + car.rolling_resistance_growth * vx * vx
+    rolling = car.constant_rolling_resistance + car.rolling_resistance_growth * vx * vx
     length = car.tyre.contact_length
     stiffness_x, stiffness_y = car.tyre.longitudinal_stiffness, car.tyre.lateral_stiffness
     # Forces and powers of the wheels, summed as (front left + front right) + (rear left + rear right).
@@ -160,7 +160,7 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
         friction_power += axle_friction_power
 
     specific_x, specific_y = sum_x / car.mass, sum_y / car.mass
-    drag = body.drag * abs(vx) * vx
+    drag = speed_resistance(car, body, vx)
     dy[state.DRAG_WORK] = drag * vx
     step.acceleration_x = specific_x - drag / car.mass + step.gravity_x
     holding = 0.0  # [N/kg], in the plane of the road below the centre of mass: it neither turns nor pitches the car
@@ -196,7 +196,7 @@ def push_at_wheels(p: PlanarParameters, car: Car, body: BodyConstants, y: Row, s
     """
     vx = y[state.VX]
     force = car.mass * (step.imposed_acceleration - y[state.YAW_RATE] * y[state.VY] - step.gravity_x)
-    force += body.drag * abs(vx) * vx
+    force += speed_resistance(car, body, vx)
     step.load[0], step.load[1], step.load[2], step.load[3] = loads(y, car, step.gravity_z)
     look(y, car, body, step, True)
     at = step.contact

@@ -1,4 +1,4 @@
-"""The contacts of the wheels with the road: velocities, secants of the friction curve, slips that are shown."""
+"""Road and air: what resists the body, contact velocities, secants of the friction curve, slips that are shown."""
 
 from __future__ import annotations
 
@@ -14,6 +14,12 @@ from ev_sim.tyres.curve import largest
 from ev_sim.tyres.mf_tyre import at_load
 
 _WIDTH = len(TyreOnRoad._fields)
+
+
+@inlined
+def speed_resistance(car: Car, body: BodyConstants, vx: float) -> float:
+    """What resists the body at a longitudinal velocity [m/s] beyond its wheels [N]: drag, or B V + C V^2."""
+    return body.drag * abs(vx) * vx + car.road_load.linear * vx
 
 
 @inlined

@@ -129,7 +129,7 @@ class BodyConstants:
     mf_is_plain: float = entry(unit="1", about="`is_plain` of the tyres")
     damping_x: float = entry(unit="N s/m", about="of the carcass, along the wheel")
     damping_y: float = entry(unit="N s/m", about="of the carcass, across the wheel")
-    drag: float = entry(unit="N s^2/m^2", about="rho c_d A / 2")
+    drag: float = entry(unit="N s^2/m^2", about="rho c_d A / 2, or C of the road load")
     side_drag: float = entry(unit="N s^2/m^2", about="rho C_wy F_side / 2")
 
 
@@ -166,7 +166,7 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
         mf_is_plain=float(is_plain(mf)),
         damping_x=tyre.longitudinal_stiffness * tyre.longitudinal_damping_time,
         damping_y=tyre.lateral_stiffness * tyre.lateral_damping_time,
-        drag=0.5 * v.air_density * v.drag_coefficient * v.frontal_area,
+        drag=0.5 * v.air_density * v.drag_coefficient * v.frontal_area + v.road_load.quadratic,
         side_drag=0.5 * v.air_density * v.side_drag_coefficient * v.side_area,
     )
 

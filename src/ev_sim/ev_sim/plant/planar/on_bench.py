@@ -123,7 +123,7 @@ def _load(p: LoadParameters, car: Car, c: PlanarConstants, s: PlanarOnBenchState
     Or a constant torque, beside the speed at which the shaft turns, or a constant speed, beside the torque of the road.
     """
     y, gear = s.motion, car.gear_ratio
-    rolling = car.rolling_resistance + car.rolling_resistance_growth * y[VX] * y[VX]
+    rolling = car.constant_rolling_resistance + car.rolling_resistance_growth * y[VX] * y[VX]
     mode, speed, torque = step.asked, step.shaft, step.target
     for i in range(4):
         radius = c.body.wheel_radius[i]

@@ -14,7 +14,7 @@ from ev_sim.drives.synchronous_motor import phase_values
 from ev_sim.plant.guard import guard_notes
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.body import loads, rates, steer
-from ev_sim.plant.planar.contact import find_road, gravity_at, look, slips, within_friction
+from ev_sim.plant.planar.contact import find_road, gravity_at, look, slips, speed_resistance, within_friction
 from ev_sim.plant.planar.given import PlanarParameters, deflate
 from ev_sim.plant.planar.planar_state import STEP_MEMORY, PlanarState, Step
 from ev_sim.plant.planar.powertrain import drive_loss, source_voltage, terminal_voltage
@@ -59,9 +59,9 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
     """
     y, step, radius, speed = s.motion, Step(), c.body.wheel_radius, s.motion[state.VX]
     find_road(y, c.body, step, c.road, True)
-    y[state.TRANSFER_X] = c.body.drag * abs(speed) * speed / car.mass - step.gravity_x
+    y[state.TRANSFER_X] = speed_resistance(car, c.body, speed) / car.mass - step.gravity_x
     load = loads(y, car, step.gravity_z)
-    rolling = car.rolling_resistance + car.rolling_resistance_growth * speed * speed
+    rolling = car.constant_rolling_resistance + car.rolling_resistance_growth * speed * speed
     for i in range(4):
         asked, tyre, efficiency = c.initial_drive_torque[i], step.tyre[i], car.motor.gear_efficiency
         torque = asked * efficiency if asked * speed > 0.0 else asked / efficiency
