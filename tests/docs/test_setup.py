@@ -122,6 +122,12 @@ def test_the_uv_of_the_lock_installs_the_lock_as_pip_is_told_to(checkout):
     assert "--no-deps --require-hashes --requirement .venv/locked.txt" in told and str(checkout.wheels) in told
     assert checkout.is_complete
     assert checkout.set_up() == (0, "")
+    other = checkout.root.parent / "python3.99"
+    other.write_text("#!/bin/sh\necho 3.99.0 of /elsewhere\n")
+    other.chmod(0o755)
+    assert checkout.set_up(PYTHON=str(checkout.root / ".venv" / "bin" / "python")) == (0, "")
+    status, said = checkout.set_up(PYTHON=str(other))  # which was ignored without a word
+    assert status == 1 and said.startswith(f"PYTHON={other} is refused: .venv has Python 3.")
     checkout.lock.write_text(checkout.lock.read_text() + wheel(checkout.wheels, "more", {"more.py": ""}))
     status, said = checkout.set_up()
     assert (status, said_of(said)) == (0, ["updating .venv ...", "building the workspace ..."])
