@@ -45,6 +45,7 @@ setup(
     package_data={
         "ev_sim": ["py.typed", *CONFIG],
         "ev_sim.export": ["templates/*"],
+        "ev_sim.figures": ["*.mplstyle"],
         "ev_sim.report.page": ["templates/*", "vendor/*"],
     },
     data_files=[

@@ -418,8 +418,9 @@ def test_speed_is_that_along_the_path():
 def test_every_axis_has_a_quantity_and_a_unit(tmp_path, scenario, runs, names):
     """Also where channels or whole runs are missing; the panel then says what is not there."""
     from ev_sim.figures.saving import save_figures
+    from ev_sim.figures.sheets import drawn
 
-    figures = report_for(scenario).figures(runs, VEHICLE, {})
+    figures = drawn(report_for(scenario).figures(runs, VEHICLE, {}))
     assert list(figures) == names
     (figure,) = figures.values()
     for axes in figure.axes:
@@ -433,7 +434,7 @@ def test_every_axis_has_a_quantity_and_a_unit(tmp_path, scenario, runs, names):
 
 
 def test_thinning_keeps_every_extreme_and_both_ends():
-    from ev_sim.figures.drawing import thinned
+    from ev_sim.figures.thinning import thinned
 
     time = np.arange(100_003) * 1e-3
     values = np.sin(time)

@@ -1,9 +1,11 @@
-"""Reports of runs that end before anything has happened: not measured, and never an error."""
+"""Reports of runs that end before anything has happened: not measured, never an error, figures laid out for print."""
 
 from __future__ import annotations
 
 import pytest
+from layouts import flaws
 
+from ev_sim.figures.sheets import COLUMN, printed
 from ev_sim.recording.offline import run_offline
 from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
@@ -28,6 +30,7 @@ def test_a_report_bears_any_run(name, duration, values):
     report, vehicle, course = report_for(name), first["plant"].common.vehicle, scenario.parameters.course
     metrics = report.metrics(runs, vehicle, parameters, course)
     assert metrics
-    assert report.figures(runs, vehicle, parameters, course) is not None
+    pages = printed(report.figures(runs, vehicle, parameters, course), COLUMN)
+    assert {key: found for key, page in pages.items() if (found := flaws(page, COLUMN))} == {}
     if name == "steady_circle":
         assert all(metric.value is None for key, metric in metrics.items() if key.endswith("_gradient"))

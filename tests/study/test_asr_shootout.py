@@ -145,19 +145,18 @@ def test_a_refused_case_leaves_gaps(results):
     broken = {**results, "snow: off": CaseResult("snow: off", {}, refused="no road")}
     assert set(asr_shootout.rows(None, broken)[0][2:]) == {"–"}
     assert asr_shootout.metrics(GIVEN, broken)["distance_off"].value is None
-    assert drawn_in(asr_shootout.figures(GIVEN, broken)["slip"]) == {"least_squares": 401}
+    assert drawn_in(asr_shootout.figures(GIVEN, broken)["slip"]) == {"least squares": 401}
 
 
 def test_figure_shows_the_slip_of_every_control(results):
     """On snow, the only one of the roads given that is drawn: 8 s in steps of 0.02 s."""
     figures = asr_shootout.figures(GIVEN, results)
     assert list(figures) == ["slip"]
-    assert drawn_in(figures["slip"]) == {"off": 401, "least_squares": 401}
-    (axes,) = figures["slip"].axes
-    assert axes.get_title(loc="left") == "snow: slip of the front left wheel"
+    assert drawn_in(figures["slip"]) == {"off": 401, "least squares": 401}
+    assert figures["slip"].panels[0].title == "snow: slip of the front left wheel"
 
 
-def drawn_in(figure) -> dict[str, int]:
-    """By name of a curve in the only axes of a figure the number of its points."""
-    (axes,) = figure.axes
-    return {line.get_label(): len(line.get_xdata()) for line in axes.get_lines()}
+def drawn_in(sheet) -> dict[str, int]:
+    """By name of a curve in the only panel of a sheet the number of its points."""
+    (panel,) = sheet.panels
+    return {curve.label: len(curve.values) for curve in panel.curves}

@@ -166,15 +166,14 @@ def driven_here() -> list[str]:
 
 
 def test_overlay_names_every_method_once():
-    """More methods than a panel can name: one legend above, and strokes that differ."""
-    figure = compare.figures(asked(), compared(True))["overlay"]
+    """More methods than a panel can name: one legend above, and colours that differ."""
+    figure = compare.figures(asked(), compared(True))["overlay"].figure()
     (legend,) = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == driven_here()
+    assert [text.get_text().removesuffix(" (spun)").replace(" ", "_") for text in legend.get_texts()] == driven_here()
     assert len(driven_here()) > 4
     for axes in figure.axes:
         assert axes.get_legend() is None
-        strokes = {(line.get_color(), repr(line._unscaled_dash_pattern)) for line in axes.lines}
-        assert len(strokes) == len(driven_here())
+        assert len({line.get_color() for line in axes.lines}) == len(driven_here())
 
 
 def test_a_plant_without_tyres_has_no_slip():
@@ -195,7 +194,7 @@ def test_a_law_with_which_the_car_spins_is_marked_and_does_not_flatten_the_axes(
     lines = compare.tables(asked(), results).splitlines()[2:]
     assert [line.startswith("equal_torque (spun)") for line in lines] == [True, False]
     assert [row[0] for row in compare.table(asked(), results)[1]] == ["equal_torque", "limited_slip"]
-    sideslip = compare.figures(asked(), results)["overlay"].axes[1]
+    sideslip = compare.figures(asked(), results)["overlay"].figure().axes[1]
     assert max(map(abs, sideslip.get_ylim())) < 60.0
 
 

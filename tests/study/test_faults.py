@@ -65,4 +65,4 @@ def test_table_metrics_and_figure(results):
     rows = faults.rows(GIVEN, results)
     assert len(rows) == 12 and all(len(row) == len(faults.COLUMNS) for row in rows)
     assert faults.metrics(GIVEN, results)["safe_power_steering"].value == 4.0
-    assert len(faults.figures(GIVEN, results)["power_steering"].axes) == 8
+    assert len(faults.figures(GIVEN, results)["power_steering"].panels) == 8

@@ -259,11 +259,14 @@ def test_metrics_are_the_printed_formulas(driver):
 
 @pytest.mark.parametrize("driver", ["pulse", "imposed_speed"])
 def test_figures_have_quantities_and_units(driver):
-    figures = report_for("urban_mixed").figures({"urban_mixed": driven(driver)}, CAR, PARAMETERS)
+    from ev_sim.figures.sheets import drawn
+
+    figures = drawn(report_for("urban_mixed").figures({"urban_mixed": driven(driver)}, CAR, PARAMETERS))
     assert list(figures) == FIGURES
     for name, figure in figures.items():
         for axes in figure.axes:
-            assert axes.get_ylabel().endswith("]") or axes.get_ylabel() in ("front left", "front right", "window")
+            is_strip = axes.get_title(loc="left").startswith(("Under the front", "Windows of the cycle"))
+            assert is_strip or axes.get_ylabel().endswith("]")
             assert not any("not measured" in text.get_text() for text in axes.texts), name
         assert figure.axes[-1].get_xlabel().endswith("]")
     samples = max(len(line.get_xdata()) for line in figures["figure_5_electrical"].axes[0].lines)
@@ -290,8 +293,7 @@ def test_motors_and_cells_are_shown_where_they_are_modelled():
     assert metrics["peak_winding_temperature"].value == hot
     assert metrics["least_cell_voltage"].value == pytest.approx(3.3 - 0.01 * 9.95)
     sheet = motors_and_cells(run, CAR, {})
-    assert not any("not measured" in text.get_text() for axes in sheet.axes for text in axes.texts)
-    assert all(axes.get_ylabel().endswith("]") for axes in sheet.axes)
+    assert all(panel.curves and not panel.note and panel.ylabel.endswith("]") for panel in sheet.panels)
     assert electrical_metrics(Recording(time, {}), CAR) == {}
 
 
@@ -299,10 +301,11 @@ def test_motors_and_cells_are_shown_where_they_are_modelled():
 def test_figures_say_what_is_missing(tmp_path):
     """No cycle, no tyre forces, all wheels driven: drawn, with the reason in place of curves."""
     from ev_sim.figures.saving import save_figures
+    from ev_sim.figures.sheets import drawn
 
     few = Recording(np.arange(200) * PERIOD, {"twist.longitudinal": np.zeros(200), "twist.lateral": np.zeros(200)})
     for car in (CAR, dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES), dataclasses.replace(CAR, driven_wheels=())):
-        figures = report_for("urban_mixed").figures({"urban_mixed": few}, car, {"driver": {}})
+        figures = drawn(report_for("urban_mixed").figures({"urban_mixed": few}, car, {"driver": {}}))
         assert list(figures) == FIGURES
         for name, figure in figures.items():
             assert any("not measured" in text.get_text() for axes in figure.axes for text in axes.texts), name

@@ -1,6 +1,7 @@
 """The report on the scenario own_source: its verdicts as metrics, and figure 1 of the source."""
 
-from ev_sim.figures.drawing import over_time, sheet
+from ev_sim.figures.panels import degrees, over_time
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import channel
 from ev_sim.verdicts.need import ScenarioRuns
@@ -14,9 +15,9 @@ def metrics(runs, vehicle, parameters):
 
 def figures(runs):
     """Figure 1."""
-    return {"fig1": sheet([yaw_rates(runs)], "time [s]")}
+    return {"fig1": Sheet([yaw_rates(runs)])}
 
 
 def yaw_rates(runs):
     """Figure 1: the yaw rates of all runs."""
-    return over_time(runs, "1  Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE))
+    return over_time(runs, "1  Yaw rate", "yaw rate [deg/s]", degrees(lambda run: channel(run, motion.YAW_RATE)))

@@ -21,13 +21,14 @@ from ev_core.vehicle.description import Vehicle
 from ev_papers.ge_ni2005 import measures, paper
 from ev_papers.ge_ni2005.measures import BASELINE
 from ev_papers.ge_ni2005.quantities import OVER_TIME, QUANTITIES, SIDES, ground_speed, rim_speed, slip
-from ev_sim.figures.drawing import Curve, Figure, Panel, level, panel, sheet
+from ev_sim.figures.panels import Curve, Panel, degrees, level, panel, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.check import Check, Template, measures_of
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
-from ev_sim.verdicts.panels_page import WIDTH, PublishedPanel, cannot_be_drawn
+from ev_sim.verdicts.panels_page import PublishedPanel, cannot_be_drawn
 from ev_sim.verdicts.sources import Published, published
 from ev_sim.verdicts.verdict import metrics_at_hand
 
@@ -99,11 +100,11 @@ def _metrics(of: Published, checks: Sequence[Check], driven: ScenarioRuns) -> di
     return {f"{of.id}.{name.replace(' ', '_')}": metric for name, metric in found.items()}
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
     """Figs 3 and 4 for both cars, with u held and free, and the torques with and without boundary layer."""
     torques = [
         panel(
-            f"{name.replace('_', ' ')}: torque, rear {side}",
+            f"{readable(name)}: torque, rear {side}",
             "torque [N m]",
             lambda name=name, side=side: _curves(
                 runs, (name, name + SWITCHED), lambda run: channel(run, f"torque_request.drive.rear_{side}")
@@ -114,8 +115,8 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
         for side in SIDES
     ]
     return {
-        **{f"fig3_fig4{case}": sheet(_case(runs, vehicle, case), "time [s]") for case in CASES},
-        "boundary_layer": sheet(torques, "time [s]"),
+        **{f"fig3_fig4{case}": Sheet(_case(runs, vehicle, case)) for case in CASES},
+        "boundary_layer": Sheet(torques),
     }
 
 
@@ -149,7 +150,7 @@ def panels(runs: Runs, vehicle: Vehicle, names: Sequence[str]) -> dict[str, list
             of(
                 "a  Sideslip angle",
                 "angle [deg]",
-                lambda run: np.degrees(motion.sideslip_angle(run)),
+                degrees(motion.sideslip_angle),
                 np.degrees(turn.sideslip),
             )
         ],
@@ -163,7 +164,12 @@ def panels(runs: Runs, vehicle: Vehicle, names: Sequence[str]) -> dict[str, list
             )
         ],
         "d": [
-            of("d  Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE), turn.yaw_rate),
+            of(
+                "d  Yaw rate",
+                "yaw rate [deg/s]",
+                degrees(lambda run: channel(run, motion.YAW_RATE)),
+                np.degrees(turn.yaw_rate),
+            ),
             of("d  Lateral speed", "speed [m/s]", lambda run: channel(run, "twist.lateral"), turn.lateral_speed),
         ],
         "e": wheels("e  Slip", "slip [1]", slip, slips),
@@ -192,12 +198,17 @@ def _case(runs: Runs, vehicle: Vehicle, case: str) -> list[Panel]:
     else:
         title, ylabel, quantity = "Torque requests, right minus left", "torque [N m]", torque_difference
     by_letter["c"].append(panel(title, ylabel, lambda: _curves(runs, names, quantity)))
-    return [each for panels_of_letter in by_letter.values() for each in panels_of_letter]
+    return [
+        replace(each, title=f"{each.title}{',' * bool(case)}{readable(case)}")
+        for panels_of_letter in by_letter.values()
+        for each in panels_of_letter
+    ]
 
 
 def _curves(runs: Runs, names: Iterable[str], quantity: Callable[[Recording], np.ndarray]) -> list[Curve]:
-    chosen = {name: run_named(runs, name) for name in names}
-    return [Curve(run.time, quantity(run), name.replace("_", " ")) for name, run in chosen.items()]
+    """A curve of each run by its control: what else all of them have in common stands in the titles."""
+    chosen = {name.replace(FULL_CAR, "").replace(FREE_SPEED, ""): run_named(runs, name) for name in names}
+    return [Curve(run.time, quantity(run), readable(name)) for name, run in chosen.items()]
 
 
 ORDER = 1  # among the sources, in tables
@@ -222,12 +233,10 @@ _IDS = {
 
 
 def _panel(figure: str, letter: str) -> PublishedPanel:
-    def draw(driven: ScenarioRuns) -> Figure:
+    def draw(driven: ScenarioRuns) -> Sheet:
         shown = panels(driven.runs, driven.vehicle, _RUNS[figure])[letter]
-        drawn = sheet(shown, "time [s]", columns=1, panel_width=WIDTH)
-        for axes in drawn.axes if letter in _ENDS else ():
-            axes.set_ylim(*_ENDS[letter])
-        return drawn
+        ends = _ENDS.get(letter, (None, None))
+        return Sheet([replace(each, ends=ends) for each in shown], columns=1)
 
     needs = (ScenarioNeed("ge_ni2005", runs=(BASELINE, *READINGS)),)
     ids = _IDS.get(figure + letter, (f"ge.fig{figure}{letter}",))

@@ -6,13 +6,15 @@ Runs: `object` (column alone, step of 5 N m by hand), `closed_loop` (power steer
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.shchur2019 import paper
-from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
+from ev_sim.figures.panels import Curve, Panel, panel
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, run_named
 from ev_sim.recording.recording import Recording
@@ -38,12 +40,12 @@ def panels(runs: Runs) -> dict[str, Panel]:
     return {
         "a": panel(
             "a  Road-wheel angle",
-            "angle [rad]",
+            "angle [deg]",
             lambda: [
                 after_step("object", _road_wheel_angle, "1: object, 5 N m by hand"),
                 after_step("closed_loop", _road_wheel_angle, "2: closed loop, 1 N m by hand"),
                 *(
-                    _published(lambda time, system=system: _answer(*system, time)[0])
+                    _published(lambda time, system=system: math.degrees(_answer(*system, time)[0]))
                     for system in (_OBJECT, _CLOSED_LOOP)
                 ),
             ],
@@ -77,10 +79,10 @@ def _torque(time: float) -> float:
     return paper.differential_torque(paper.HAND_TORQUE_CLOSED_LOOP, *_answer(*_CLOSED_LOOP, time))
 
 
-def figures(runs: Runs) -> dict[str, Figure]:
+def figures(runs: Runs) -> dict[str, Sheet]:
     """Fig. 1 as one sheet."""
-    return {"fig1": sheet(list(panels(runs).values()), SINCE_STEP, columns=1, start=0.0)}
+    return {"fig1": Sheet(list(panels(runs).values()), SINCE_STEP, columns=1, start=0.0)}
 
 
 def _road_wheel_angle(run: Recording) -> np.ndarray:
-    return channel(run, motion.ROAD_WHEEL_ANGLE)
+    return np.degrees(channel(run, motion.ROAD_WHEEL_ANGLE))

@@ -14,7 +14,8 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.shchur2019 import measures, paper, report_steps
-from ev_sim.figures.drawing import Curve, Figure, Panel, level, panel, sheet
+from ev_sim.figures.panels import Curve, Panel, degrees, level, panel
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, run_named
 from ev_sim.recording.recording import Recording
@@ -52,15 +53,15 @@ def panels(runs: Runs, vehicle: Vehicle) -> dict[str, Panel]:
         return panel(title, ylabel, curves)
 
     return {
-        "V": panel_of("Speed", "speed [km/h]", lambda run: 3.6 * motion.path_speed(run), "V"),
+        "V": panel_of("Speed", "speed [m/s]", motion.path_speed, "V"),
         "M": panel_of("Total torque at the wheels", "torque [N m]", motion.total_drive_torque, "M"),
         "delta": panel_of(
-            "Steering angle", "angle [deg]", lambda run: np.degrees(channel(run, motion.ROAD_WHEEL_ANGLE)), "delta"
+            "Steering angle", "angle [deg]", degrees(lambda run: channel(run, motion.ROAD_WHEEL_ANGLE)), "delta"
         ),
         "dM": panel_of("Differential torque, right minus left", "torque [N m]", motion.differential_torque, "dM"),
         "references": panel_of_both("Torque references of the front wheels", "torque [N m]", "torque_command.drive"),
         "drive_torques": panel_of_both("Drive torques of the front wheels", "torque [N m]", "wheel_states.effort"),
-        "wheel_speeds": panel_of_both("Speeds of the front wheels", "speed [rad/s]", "wheel_states.velocity"),
+        "wheel_speeds": panel_of_both("Speeds of the front wheels", "wheel speed [rad/s]", "wheel_states.velocity"),
         "dV": panel_of(
             "Difference of linear wheel speeds, right minus left",
             "speed [m/s]",
@@ -79,7 +80,7 @@ def _published() -> dict[str, list[Curve]]:
     torque = paper.differential_torque(paper.hand_torque_assisted(paper.TURN_ANGLE), paper.TURN_ANGLE)
     turns = ((slow, paper.TURN_ANGLE, left), (fast, -paper.TURN_ANGLE, right))
     return {
-        "V": [level(3.6 * slow, *at_slow), level(3.6 * fast, *at_fast)],
+        "V": [level(slow, *at_slow), level(fast, *at_fast)],
         "M": [
             level(paper.accelerating_torque(0.0, slow, first[1] - first[0]), *first),
             level(paper.resisting_torque(slow**2), *at_slow),
@@ -95,9 +96,9 @@ def _published() -> dict[str, list[Curve]]:
     }
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
     """Fig. 4 as one sheet, with the panels of the paper."""
-    return {"fig4": sheet(list(panels(runs, vehicle).values()), "time [s]")}
+    return {"fig4": Sheet(list(panels(runs, vehicle).values()))}
 
 
 ORDER = 0  # among the sources, in tables

@@ -17,7 +17,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_papers.tatar_chudzik import measures
 from ev_papers.tatar_chudzik.measures import CONTROLS, CORRECTED, EQUAL, LAYOUTS
-from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
+from ev_sim.figures.panels import Curve, Panel, panel, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.handling import (
     energy_since_turning_in,
@@ -66,7 +67,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return result | metrics_at_hand("tatar_chudzik", "tatar_chudzik", driven)
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
     """Figs 3 to 14 over time, and what the correction does to the lateral forces over the speed, in both axes."""
     shown = panels(runs, vehicle)
     across = [
@@ -74,11 +75,11 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     ]
     return {
         **{
-            name: sheet([_over_speed(runs, vehicle, wheel, kind) for wheel in WHEEL_NAMES], "speed [m/s]")
+            name: Sheet([_over_speed(runs, vehicle, wheel, kind) for wheel in WHEEL_NAMES], "speed [m/s]")
             for name, kind in zip(("forces_y", "lateral_forces"), ACROSS, strict=True)
         },
-        "fig3_to_fig11": sheet([shown[n] for n in (3, 6, 9, 4, 7, 10, 5, 8, 11)], "time [s]", columns=len(LAYOUTS)),
-        "fig12_to_fig14": sheet([*(shown[n] for n in (12, 13, 14)), *across], "time [s]", columns=len(LAYOUTS)),
+        "fig3_to_fig11": Sheet([shown[n] for n in (3, 6, 9, 4, 7, 10, 5, 8, 11)], columns=len(LAYOUTS)),
+        "fig12_to_fig14": Sheet([*(shown[n] for n in (12, 13, 14)), *across], columns=len(LAYOUTS)),
     }
 
 
@@ -109,16 +110,16 @@ def _over_speed(runs: Runs, vehicle: Vehicle, wheel: str, kind: str) -> Panel:
         difference = np.interp(speed[both], others, corrected) - equal[both]
         return Curve(speed[both], difference, f"{layout}-wheel drive")
 
-    title = f"{wheel.replace('_', ' ')}: corrected minus equal"
+    title = f"{readable(wheel)}: corrected minus equal"
     return panel(title, "force [N]", lambda: [gained(layout) for layout in LAYOUTS], scale="difference")
 
 
 def _wheels_over_time(runs: Runs, vehicle: Vehicle, title: str, name: str, kind: str) -> Panel:
     def curves() -> list[Curve]:
         run = run_named(runs, name)
-        return [Curve(run.time, OF_WHEEL[kind](run, each, vehicle), each.replace("_", " ")) for each in WHEEL_NAMES]
+        return [Curve(run.time, OF_WHEEL[kind](run, each, vehicle), readable(each)) for each in WHEEL_NAMES]
 
-    ylabel = "speed [rad/s]" if kind == "wheel_speed" else "force [N]"
+    ylabel = "wheel speed [rad/s]" if kind == "wheel_speed" else "force [N]"
     return panel(f"{title}, {name.replace('_', ', ')}", ylabel, curves)
 
 

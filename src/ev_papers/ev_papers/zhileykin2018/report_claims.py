@@ -9,8 +9,9 @@ from __future__ import annotations
 from ev_core.vehicle.description import Vehicle
 from ev_papers.zhileykin2018.grid import off_the_path
 from ev_papers.zhileykin2018.source import PEAK_SIDESLIP, track
-from ev_sim.figures.drawing import Figure, motion_panels, sheet
 from ev_sim.figures.other_axes import plan_view
+from ev_sim.figures.panels import motion_panels
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.handling import peak_sideslip
 from ev_sim.measures.metric import Metric, Parameters, Runs, metric, run_named
 
@@ -31,9 +32,9 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return result
 
 
-def figures(runs: Runs) -> dict[str, Figure]:
+def figures(runs: Runs) -> dict[str, Sheet]:
     """Paths, and sideslip angles over time."""
     return {
         "paths": plan_view("Path of the centre of mass", [track(runs, name) for name in runs]),
-        "motion": sheet(list(motion_panels(runs, "sideslip_angle")), "time [s]"),
+        "motion": Sheet(motion_panels(runs, "sideslip_angle")),
     }

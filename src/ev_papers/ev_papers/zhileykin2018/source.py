@@ -14,8 +14,9 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_papers.zhileykin2018 import measures
 from ev_papers.zhileykin2018.grid import BY_LAW, LIMIT, REAR_DRIVE, SCENARIO, SHARES, SWING, turn_arounds
-from ev_sim.figures.drawing import Curve, Figure, Panel, motion_panels, over_time, sheet
 from ev_sim.figures.other_axes import plan_view
+from ev_sim.figures.panels import Curve, Panel, motion_panels, over_time, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.handling import peak_sideslip
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
@@ -72,21 +73,17 @@ def panels(runs: Runs) -> dict[str, Panel]:
 def track(runs: Runs, name: str) -> Curve:
     """Path of the centre of mass, y over x [m], of a run (figs 3 and 4)."""
     run = run_named(runs, name)
-    return Curve(channel(run, "pose.x"), channel(run, "pose.y"), name.replace("_", " "))
+    return Curve(channel(run, "pose.x"), channel(run, "pose.y"), readable(name))
 
 
-def figures(runs: Runs) -> dict[str, Figure]:
+def figures(runs: Runs) -> dict[str, Sheet]:
     """Paths (figs 3 and 4), shares (fig. 5), sideslip angle, yaw rate and speed."""
     shown = {name: run for name, run in runs.items() if name != ESTIMATED}
 
-    more = [
-        *motion_panels(shown, "sideslip_angle"),
-        over_time(shown, "Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE)),
-        over_time(shown, "Speed", "speed [m/s]", _speed),
-    ]
+    more = [*motion_panels(shown, "sideslip_angle", "yaw_rate"), over_time(shown, "Speed", "speed [m/s]", _speed)]
     return {
         "fig3_fig4": plan_view("Path of the centre of mass", [track(runs, name) for name in shown]),
-        "fig5": sheet([*panels(runs).values(), *more], "time [s]"),
+        "fig5": Sheet([*panels(runs).values(), *more]),
     }
 
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018.grid import ANGLES, FIXED, FORCES, LIMIT, REAR_DRIVE, SHARES, SWEPT
-from ev_sim.figures.drawing import Figure
-from ev_sim.figures.other_axes import heat_maps
+from ev_sim.figures.other_axes import number_map
+from ev_sim.figures.panels import readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.study.study import Case, Results
 
@@ -70,15 +71,21 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     ]
 
 
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """A map of the largest sideslip angle for each control."""
-    maps = {control.replace("_", " "): np.degrees(grid.of_all(results, control)) for control in SWEPT}
+    columns = "road-wheel angle [deg]", [f"{angle:g}" for angle in ANGLES]
+    rows = "drive force [N]", [f"{force:g}" for force in FORCES]
     return {
-        "who_spins": heat_maps(
-            maps,
-            ("road-wheel angle [deg]", [f"{angle:g}" for angle in ANGLES]),
-            ("drive force [N]", [f"{force:g}" for force in FORCES]),
-            "largest sideslip angle [deg]",
-            math.degrees(LIMIT),
+        "who_spins": Sheet(
+            [
+                number_map(
+                    f"{readable(control)}: largest sideslip angle [deg]",
+                    columns,
+                    rows,
+                    np.degrees(grid.of_all(results, control)),
+                    math.degrees(LIMIT),
+                )
+                for control in SWEPT
+            ]
         )
     }

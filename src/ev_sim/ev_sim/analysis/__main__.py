@@ -57,7 +57,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     try:
         with OutputFolder(given.out, f"analysis {vehicle.name}", [matrices.name, *figure_files([figure])]):
             save_matrices(matrices, plant)
-            (path,) = save_figures({figure: bode_figure(model, plant)}, given.out)
+            (path,) = save_figures({figure: bode_figure(model, plant).figure()}, given.out)
     except (ParameterError, OSError) as error:
         refuse(error)
     print(f"A, B, C, D: {matrices}")

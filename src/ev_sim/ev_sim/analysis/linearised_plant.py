@@ -19,7 +19,8 @@ from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_sim.analysis.linear_models import SideSlipModel
-from ev_sim.figures.drawing import STROKES, TEXT_SIZE, Figure, name_axes, new_figure
+from ev_sim.figures.panels import Axes, Curve, Panel
+from ev_sim.figures.sheets import Sheet
 from ev_sim.plant.planar.body import Equations
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, INTEGRATED_SIZE, VX, VY, YAW_RATE, index
@@ -180,10 +181,9 @@ def _outputs(vehicle: Vehicle, y: np.ndarray, angle: float) -> np.ndarray:
 
 
 _FREQUENCIES = np.logspace(-1.0, 1.5, 200)  # [Hz]; a driver steers with up to about 3 Hz
-_WIDTH, _HEIGHT = 9.2, 4.6  # [inch]
 
 
-def bode_figure(model: SideSlipModel, plant: LinearisedPlant) -> Figure:
+def bode_figure(model: SideSlipModel, plant: LinearisedPlant) -> Sheet:
     """Magnitude and phase of dA/delta: W12, W12 with the steering rate that it drops, and the linearised plant."""
     omega = 2 * np.pi * _FREQUENCIES
     curves = {
@@ -193,19 +193,22 @@ def bode_figure(model: SideSlipModel, plant: LinearisedPlant) -> Figure:
     if model.excitation:  # a car that steers neutrally has no W12 to draw
         _, *w12 = bode(model.transfer_function(), omega)
         curves = {"W12": tuple(w12), **curves}
-    figure = new_figure(_WIDTH, _HEIGHT, layout="constrained")
-    magnitude, phase = figure.subplots(2, 1, sharex=True)
-    for number, (label, (decibels, degrees)) in enumerate(curves.items()):
-        colour, dashes = STROKES[number]
-        magnitude.semilogx(_FREQUENCIES, decibels, color=colour, linestyle=dashes, linewidth=1.2, label=label)
-        phase.semilogx(_FREQUENCIES, degrees, color=colour, linestyle=dashes, linewidth=1.2)
     title = f"Slip angles of rear minus front axle over the road-wheel angle, {model.speed:g} m/s"
-    name_axes(magnitude, title, ylabel="magnitude [dB]", grid="", pad=6.0)
-    name_axes(phase, "", "frequency [Hz]", "phase [deg]", grid="", pad=6.0)
-    magnitude.legend(fontsize=TEXT_SIZE, frameon=False)
-    for axes in (magnitude, phase):
-        axes.grid(True, which="both", color="0.9", linewidth=0.6)
-    return figure
+
+    def over_frequency(axes: Axes) -> None:
+        axes.set_xscale("log")
+        axes.grid(True, which="minor")
+
+    panels = [
+        Panel(
+            f"{title}: {part}",
+            f"{part} [{unit}]",
+            [Curve(_FREQUENCIES, values[number], label) for label, values in curves.items()],
+            ground=over_frequency,
+        )
+        for number, (part, unit) in enumerate((("magnitude", "dB"), ("phase", "deg")))
+    ]
+    return Sheet(panels, "frequency [Hz]", columns=1)
 
 
 def _decibels(response: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -14,6 +14,8 @@ import yaml
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.command_line.refusal import Parser
+from ev_sim.figures.saving import FORMATS, Print
+from ev_sim.figures.sheets import COLUMN, TALLEST, WIDE
 from ev_sim.scenarios.parameter_file import read_yaml
 from ev_sim.scenarios.scenario import Overrides
 
@@ -87,15 +89,32 @@ def add_metrics(parser: argparse.ArgumentParser, default: str) -> None:
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:
     """Declare the options of what a run or a study leaves behind besides its summary."""
+    parser.add_argument("--figures", type=_formats, default=(), metavar="pdf,svg", help="figures also for print")
     parser.add_argument(
-        "--figures", type=_formats, default=(), metavar="pdf,svg", help="figures also so, as wide as a paper's column"
+        "--width",
+        type=float,
+        choices=(COLUMN, WIDE),
+        help=f"of figures for print [inch]: a column (default) or a page of a paper; none is taller than {TALLEST:g}",
+    )
+    parser.add_argument(
+        "--panels",
+        metavar="NAME,NAME",
+        help="only these in print: FIGURE, PANEL or FIGURE.PANEL with * and ?, where PANEL is its title, as yaw_rate",
     )
     parser.add_argument("--no-report", action="store_true", help="no report.html; metrics and figures all the same")
 
 
+def printing(given: argparse.Namespace) -> Print:
+    """What is wanted for print; ParameterError for its details without --figures."""
+    for option in ("width", "panels"):
+        if getattr(given, option) is not None and not given.figures:
+            raise ParameterError(f"--{option} is about figures for print: add --figures pdf or svg")
+    return Print(given.figures, given.width or COLUMN, tuple(given.panels.split(",")) if given.panels else ())
+
+
 def _formats(text: str) -> tuple[str, ...]:
     formats = tuple(dict.fromkeys(text.split(",")))
-    if not {"pdf", "svg"}.issuperset(formats):
+    if not set(FORMATS).issuperset(formats):
         raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, allowed is pdf, svg or pdf,svg")
     return formats
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from ev_core.parameters.data_file import TABLE, read_data
 from ev_msgs_py.refusal import LINE, quoted, shown
-from ev_sim.command_line.options import overrides, own_nodes, processors
+from ev_sim.command_line.options import overrides, own_nodes, printing, processors
 from ev_sim.figures.saving import figure_files
 from ev_sim.measures.own_metrics import listed
 from ev_sim.recording.outcome import Outcome, RunFailed, progress_bar
@@ -31,6 +31,7 @@ _SHARED_MEMORY, _ROOM = "/dev/shm", 65536  # bytes; where there are fewer, LTTng
 
 def drive_scenario(given: argparse.Namespace) -> None:
     """Drive all runs of a scenario and report; raises what `ev_sim.commands.run_scenario.main` catches."""
+    prints = printing(given)
     scenario = load_scenario(given.scenario, replace(overrides(given), metrics=listed(given.metrics)))
     _refuse_without_ros(given)
     on_processors = []
@@ -50,8 +51,9 @@ def drive_scenario(given: argparse.Namespace) -> None:
         outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
         result = Result(scenario, outcomes, mode, commands, given.command)
         summary, figures = result.summary(), result.figures()
-        folder.claim(figure_files(figures, given.figures))
-        content = result.write_report(folder.directory, figures, not given.no_report, given.figures)
+        folder.claim(figure_files(figures))
+        content = result.write_report(folder.directory, figures, not given.no_report)
+        prints.save(result.sheets, folder.directory, folder.claim)
     print_metrics(summary.metrics)
     for note in summary.notes:
         print(f"note: {shown(note, LINE)}")

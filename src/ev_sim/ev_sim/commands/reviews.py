@@ -19,7 +19,7 @@ from ev_core.parameters.data_file import TABLE, read_data
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.command_line.options import add_changes, add_outputs, command_of, overrides
+from ev_sim.command_line.options import add_changes, add_outputs, command_of, overrides, printing
 from ev_sim.command_line.refusal import Parser
 from ev_sim.recording.outcome import Outcome, bar_of_runs, progress_bar
 from ev_sim.recording.recording import PAGE, SIGNALS, SUMMARY, load
@@ -88,7 +88,7 @@ def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> l
 
 def run_figures(argv: Sequence[str]) -> None:
     """Drive, draw and write."""
-    parser = _parser("figures", "draw every panel of the sources in its quantity and axes, on one page.")
+    parser = _parser("figures", "draw every panel of the sources, on one page.")
     parser.add_argument("--only", nargs="+", action="extend", default=[], metavar="SOURCE", help="sources")
     given = parser.parse_args(argv)
     for source in given.only:
@@ -127,6 +127,7 @@ def run_replay(argv: Sequence[str]) -> None:
     add_changes(parser)
     add_outputs(parser)
     given = parser.parse_args(argv)
+    prints = printing(given)
     role, _, text = given.node.partition("=")
     recorded = find_recorded(given.bag, given.namespace)
     method, command = _meant(role, text)
@@ -137,7 +138,7 @@ def run_replay(argv: Sequence[str]) -> None:
         found = replay.differences(outcome.recording)
         replayed = Replayed(replay, run, outcome, found, command, command_of(["replay", *argv]))
         print("\n".join(replayed.lines()))
-        page = replayed.write(folders, not given.no_report, given.figures)
+        page = replayed.write(folders, not given.no_report, prints)
     print(f"{page}table, signals and summary: {folders.directory}")
 
 

@@ -14,7 +14,8 @@ from ev_core.vehicle.car import GRAVITY
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import wheel_inertias
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.figures.drawing import Curve, Figure, over_time, panel, sheet
+from ev_sim.figures.panels import Curve, motion_panels, panel
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, NotMeasured, Parameters, Reference, Runs, channel, metric, within
 from ev_sim.recording.recording import Recording
@@ -101,7 +102,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     )
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
     """Speed over time, and deceleration over speed with the fitted road load."""
 
     def loads() -> list[Curve]:
@@ -110,15 +111,12 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
         rolling, area = road_load(run, vehicle)
         force = vehicle.mass * GRAVITY * rolling + 0.5 * vehicle.air_density * area * speed**2
         fitted = force / effective_mass(vehicle)
-        rising = 3.6 * speed[::-1]
-        return [Curve(rising, deceleration[::-1], "measured"), Curve(rising, fitted[::-1], "fitted")]
+        return [Curve(speed[::-1], each[::-1], name) for name, each in (("measured", deceleration), ("fitted", fitted))]
 
-    speed = over_time(runs, "Speed", "speed [m/s]", motion.path_speed)
+    deceleration = panel("Deceleration", "deceleration [m/s²]", loads)
     return {
-        "speed": sheet([speed], "time [s]", columns=1),
-        "deceleration": sheet(
-            [panel("Deceleration", "deceleration [m/s²]", loads)], "speed [km/h]", columns=1, start=0.0
-        ),
+        "speed": Sheet(motion_panels(runs, "speed")),
+        "deceleration": Sheet([deceleration], "speed [m/s]", start=0.0),
     }
 
 

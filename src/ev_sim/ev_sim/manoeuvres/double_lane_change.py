@@ -7,8 +7,9 @@ import numpy as np
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_sim.driver.path import PathParameters, distances_from, path_of
-from ev_sim.figures.drawing import Curve, Figure, motion_panels, sheet
 from ev_sim.figures.other_axes import plan_view
+from ev_sim.figures.panels import Curve, motion_panels, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.course import Course, cones, edges, hit_cones, lanes_driven, outside_lanes
 from ev_sim.measures.metric import HIGHER, LOWER, Metric, NotMeasured, Parameters, Runs, channel, metric
@@ -71,7 +72,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
     return motion.of_each_run(runs, of)
 
 
-def figures(runs: Runs, vehicle: Vehicle, course: Course) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, course: Course) -> dict[str, Sheet]:
     """The course with its cones and the car's path, and the motion over time."""
     name, run = next(iter(runs.items()))
     tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), "centre of mass")]
@@ -80,8 +81,8 @@ def figures(runs: Runs, vehicle: Vehicle, course: Course) -> dict[str, Figure]:
     marked = [cones(run, vehicle, course), hit_cones(run, vehicle, course)] if course.begin else []
     names = ("steering_wheel_angle", "lateral_acceleration", "yaw_rate", "sideslip_angle")
     return {
-        "course": plan_view(course.title or name.replace("_", " "), tracks, *marked),
-        "motion": sheet(motion_panels(runs, *names), "time [s]"),
+        "course": plan_view(course.title or readable(name), tracks, *marked),
+        "motion": Sheet(motion_panels(runs, *names)),
     }
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.figures.drawing import Curve, Figure, over_time, panel, sheet
+from ev_sim.figures.panels import Curve, motion_panels, over_time, panel, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import LOWER, Metric, NotMeasured, Runs, channel, metric
 from ev_sim.recording.recording import Recording
@@ -55,7 +56,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     return motion.of_each_run(runs, of)
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
     """Pedals, travelled distance, speed and slip around the pull-away."""
 
     def pedals() -> list[Curve]:
@@ -69,15 +70,15 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     panels = [
         panel("Pedals of the first run", "torque [N m]", pedals),
         over_time(runs, "Way uphill", "distance [m]", _uphill),
-        over_time(runs, "Speed", "speed [m/s]", motion.path_speed),
+        *motion_panels(runs, "speed"),
         over_time(
             runs,
-            f"Slip ratio, {driven.replace('_', ' ')}",
+            f"Slip ratio, {readable(driven)}",
             "slip ratio [1]",
             lambda run: channel(run, f"tire_forces.slip_ratio.{driven}"),
         ),
     ]
-    return {"pull_away": sheet(panels, "time [s]", start=_pull_away(runs))}
+    return {"pull_away": Sheet(panels, start=_pull_away(runs))}
 
 
 def _pull_away(runs: Runs) -> float | None:

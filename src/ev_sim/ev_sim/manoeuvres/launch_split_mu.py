@@ -7,14 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.figures.drawing import Curve, Figure, degrees, motion_panels, over_time, panel, sheet
 from ev_sim.figures.other_axes import plan_view
+from ev_sim.figures.panels import Curve, degrees, motion_panels, over_time, panel, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import LOWER, Metric, NotMeasured, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
 
 
-def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequence[str]) -> dict[str, Figure]:
+def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequence[str]) -> dict[str, Sheet]:
     """Speed, heading, steering-wheel angle and path of all runs, and the rim speeds of some wheels of each.
 
     The sheet is called `name`, the plan view `path`.
@@ -23,17 +24,17 @@ def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequ
     def rims(name: str) -> list[Curve]:
         run, radius = run_named(runs, name), vehicle.wheel_radius
         turning = ((wheel, radius * channel(run, f"wheel_states.velocity.{wheel}")) for wheel in wheels)
-        return [Curve(run.time, speed, wheel.replace("_", " ")) for wheel, speed in turning]
+        return [Curve(run.time, speed, readable(wheel)) for wheel, speed in turning]
 
     panels = [
         # Without a sign, which would jump where a car that turns round goes across.
         over_time(runs, "Speed over ground", "speed [m/s]", lambda run: np.abs(motion.path_speed(run))),
         over_time(runs, "Heading", "heading [deg]", degrees(motion.heading)),
         *motion_panels(runs, "steering_wheel_angle"),
-        *(panel(f"Rim speeds, {run.replace('_', ' ')}", "speed [m/s]", lambda run=run: rims(run)) for run in runs),
+        *(panel(f"Rim speeds, {readable(run)}", "speed [m/s]", lambda run=run: rims(run)) for run in runs),
     ]
-    tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), key.replace("_", " ")) for key, run in runs.items()]
-    return {name: sheet(panels, "time [s]"), "path": plan_view("Path of the centre of mass", tracks)}
+    tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), readable(key)) for key, run in runs.items()]
+    return {name: Sheet(panels), "path": plan_view("Path of the centre of mass", tracks)}
 
 
 LAUNCH_SPEED = 5.0  # [m/s], the launch is timed up to it
@@ -85,7 +86,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     return motion.of_each_run(runs, of)
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
     """Speed, heading and steering-wheel angle of all runs, rim speeds of the first, and the paths."""
     return split_friction_figures("launch", runs, vehicle, vehicle.driven_wheels)
 

@@ -13,7 +13,8 @@ import re
 import numpy as np
 
 from ev_core.vehicle.car import GRAVITY
-from ev_sim.figures.drawing import Curve, Figure, motion_panels, over_time, panel, sheet
+from ev_sim.figures.panels import Curve, motion_panels, over_time, panel, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import HIGHER, LOWER, Metric, NotJudged, NotMeasured, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
@@ -68,7 +69,7 @@ def metrics(runs: Runs) -> dict[str, Metric]:
     return result
 
 
-def figures(runs: Runs) -> dict[str, Figure]:
+def figures(runs: Runs) -> dict[str, Sheet]:
     """Steering-wheel angle, yaw rate, sideslip angle and lateral displacement of all sines."""
     sines = {_label(name, runs): run for name, run in _sines(runs).items()}
 
@@ -92,8 +93,8 @@ def figures(runs: Runs) -> dict[str, Figure]:
 
     line = panel("Slowly increasing steer", "lateral acceleration [m/s²]", slow)
     return {
-        "sine_with_dwell": sheet(panels, "time [s]"),
-        SLOW_RUN: sheet([line], "steering-wheel angle [deg]", columns=1),
+        "sine_with_dwell": Sheet(panels),
+        SLOW_RUN: Sheet([line], "steering-wheel angle [deg]"),
     }
 
 
@@ -102,7 +103,7 @@ def _label(name: str, runs: Runs) -> str:
     try:
         return f"{_multiple(runs[name], runs):.1f} A"
     except NotMeasured:
-        return name.replace("_", " ")
+        return readable(name)
 
 
 def _sines(runs: Runs) -> dict[str, Recording]:

@@ -14,8 +14,9 @@ from collections.abc import Callable
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
 from ev_sim.figures.other_axes import plan_view
+from ev_sim.figures.panels import Curve, Panel, panel, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import HIGHER, Metric, NotMeasured, Reference, Runs, channel, metric, within
 from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
@@ -65,7 +66,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     return result
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
     """Steering angle beyond rolling, sideslip angle, yaw rate, speed over lateral acceleration by method, and paths."""
     at_radius = {name: run for name, run in runs.items() if name.startswith(CONSTANT_RADIUS)}
     methods = {
@@ -73,13 +74,11 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
         "constant_radius": {name.removeprefix(CONSTANT_RADIUS): run for name, run in at_radius.items()},
     }
     sheets = {
-        name: sheet(_panels(chosen, vehicle), "lateral acceleration [m/s²]", start=0.0)
+        name: Sheet(_panels(chosen, vehicle), "lateral acceleration [m/s²]", start=0.0)
         for name, chosen in methods.items()
         if chosen
     }
-    tracks = [
-        Curve(channel(run, "pose.x"), channel(run, "pose.y"), name.replace("_", " ")) for name, run in runs.items()
-    ]
+    tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), readable(name)) for name, run in runs.items()]
     return {**sheets, "path": plan_view("Path of the centre of mass", tracks)}
 
 
@@ -137,7 +136,7 @@ def _inward_acceleration(run: Recording) -> np.ndarray:
 
 def _curve(name: str, run: Recording, values: np.ndarray) -> Curve:
     part = steady(run)
-    return Curve(_inward_acceleration(run)[part], values[part], name)
+    return Curve(_inward_acceleration(run)[part], values[part], readable(name))
 
 
 def _curvature(run: Recording) -> np.ndarray:

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ev_sim.figures.drawing import Figure, motion_panels, sheet
+from ev_sim.figures.panels import motion_panels
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import LOWER, Metric, NotMeasured, Runs, channel, last, mean_between, metric
 from ev_sim.recording.recording import Recording
@@ -67,10 +68,10 @@ def metrics(runs: Runs) -> dict[str, Metric]:
     return motion.of_each_run(runs, _metrics)
 
 
-def figures(runs: Runs) -> dict[str, Figure]:
+def figures(runs: Runs) -> dict[str, Sheet]:
     """Steering-wheel angle, yaw rate, lateral acceleration and sideslip angle of all runs."""
     names = ("steering_wheel_angle", "yaw_rate", "lateral_acceleration", "sideslip_angle")
-    return {"step_steer": sheet(motion_panels(runs, *names), "time [s]")}
+    return {"step_steer": Sheet(motion_panels(runs, *names))}
 
 
 def _metrics(run: Recording) -> dict[str, Metric]:

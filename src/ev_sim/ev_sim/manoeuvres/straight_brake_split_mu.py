@@ -6,7 +6,7 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.figures.drawing import Figure
+from ev_sim.figures.sheets import Sheet
 from ev_sim.manoeuvres.launch_split_mu import split_friction_figures
 from ev_sim.measures import motion
 from ev_sim.measures.metric import HIGHER, LOWER, Metric, Runs, channel, metric
@@ -85,7 +85,7 @@ def metrics(runs: Runs) -> dict[str, Metric]:
     return motion.of_each_run(runs, of)
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
     """Speed, heading, steering-wheel angle and path of all runs, and the wheels of each."""
     return split_friction_figures("braking", runs, vehicle, WHEEL_NAMES)
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from ev_sim.figures.drawing import Figure, name_axes, new_figure
+from ev_sim.figures.panels import Axes, Panel, readable
 from ev_sim.figures.saving import save_figures
+from ev_sim.figures.sheets import Sheet
+from ev_sim.figures.strokes import HUES
 from ev_sim.measured.magic_formula import combined_lateral, combined_longitudinal
 from ev_sim.measured.rig import Sweeps
 from ev_sim.measured.tyre_fit import TyreFit
@@ -18,6 +21,7 @@ from ev_sim.report.tables import text_table
 
 TYRE = "tyre.tir"
 FILES_OF_TYRE = (TYRE, SUMMARY, "curves.png")
+_ANGLE = "slip_angle"
 
 
 def tyre_table(fit: TyreFit) -> str:
@@ -33,30 +37,38 @@ def write_tyre(folder: Path, fit: TyreFit, sweeps: Sweeps, friction_scale: float
         file.write(property_file(fit, friction_scale, head).encode())
     content = {"about": head, "seen": dict(fit.seen), "unseen": dict(fit.unseen), "sweeps": sweeps.count}
     write_summary(folder / SUMMARY, content | {"coefficients": dict(fit.coefficients)})
-    save_figures({"curves": curves(fit, sweeps)}, folder)
+    save_figures({"curves": curves(fit, sweeps).figure()}, folder)
 
 
-def curves(fit: TyreFit, sweeps: Sweeps) -> Figure:
+def curves(fit: TyreFit, sweeps: Sweeps) -> Sheet:
     """Forces of the sweeps over their slip, with the curve of the fit at the means of each; unseen ones in orange."""
-    kinds = (
-        ("slip_angle", "lateral_force", sweeps.is_lateral),
-        ("slip_ratio", "longitudinal_force", sweeps.is_longitudinal),
-    )
-    figure = new_figure(9.0, 4.0, "constrained")
-    for place, (slip, force, chosen) in enumerate(kinds):
-        axes = figure.add_subplot(1, 2, place + 1)
+
+    def over_slip(axes: Axes, slip: str, force: str, chosen: np.ndarray) -> None:
+        model, factor = (combined_lateral, np.degrees(1.0)) if slip == _ANGLE else (combined_longitudinal, 1.0)
         for number in np.unique(sweeps.number[chosen])[:: max(len(np.unique(sweeps.number[chosen])) // 12, 1)]:
             data = sweeps.points.some(np.flatnonzero(sweeps.number == number)[::10])
             grid = np.linspace(getattr(data, slip).min(), getattr(data, slip).max(), 200)
             names = data.__dataclass_fields__
             mean = replace(data, **{n: np.full(200, getattr(data, n).mean()) for n in names})
-            model = combined_lateral if place == 0 else combined_longitudinal
-            colour = "#E69F00" if number % 3 == 2 else "0.6"
-            axes.plot(getattr(data, slip), getattr(data, force), ".", color=colour, markersize=2)
-            axes.plot(grid, model(fit.coefficients, replace(mean, **{slip: grid})), color="#0072B2", linewidth=1.0)
-        label = "slip angle [rad]" if place == 0 else "slip ratio [1]"
-        name_axes(axes, force.replace("_", " "), label, "force [N]")
-    return figure
+            colour, label = ("#E69F00", "unseen") if number % 3 == 2 else ("0.6", "seen by the fit")
+            axes.plot(factor * getattr(data, slip), getattr(data, force), ".", color=colour, markersize=2, label=label)
+            values = model(fit.coefficients, replace(mean, **{slip: grid}))
+            axes.plot(factor * grid, values, color=HUES[0], label="fit")
+
+    panels = [
+        Panel(
+            readable(force),
+            "force [N]",
+            ground=partial(over_slip, slip=slip, force=force, chosen=chosen),
+            xlabel=xlabel,
+            shape=0.8,
+        )
+        for slip, xlabel, force, chosen in (
+            (_ANGLE, "slip angle [deg]", "lateral_force", sweeps.is_lateral),
+            ("slip_ratio", "slip ratio [1]", "longitudinal_force", sweeps.is_longitudinal),
+        )
+    ]
+    return Sheet(panels)
 
 
 def property_file(fit: TyreFit, friction_scale: float, head: str) -> str:

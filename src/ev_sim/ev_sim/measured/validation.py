@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.figures.drawing import Curve, Figure, Panel, sheet
+from ev_sim.figures.panels import IN_FIGURES, Curve, Panel, readable
 from ev_sim.figures.saving import save_figures
+from ev_sim.figures.sheets import Sheet, drawn
 from ev_sim.measured.errors import Errors, by_range, by_window, errors_of, spins
 from ev_sim.measured.open_loop import COMPARED, OpenLoop
 from ev_sim.measured.record import LONGITUDINAL, SIDESLIP, YAW_RATE, quoted_source
@@ -136,32 +137,30 @@ class Validation:
             "simulated": Recording(time.ravel()[keep], simulated),
         }
 
-    def figures(self) -> dict[str, Figure]:
+    def figures(self) -> dict[str, Sheet]:
         """All windows over time, and the worst ones with the friction that they use."""
         both = self.recordings()
         time = both["measured"].time
         panels = []
         for name in self.names:
             one, other = both["measured"].channels[name], both["simulated"].channels[name]
-            curves = [Curve(time, one, "measured"), Curve(time, other, "simulated")]
             span = float(np.max(np.abs(one))) * 1.3
-            panels.append(Panel(name, COMPARED[name], curves, within=(-span, span)))
-            panels.append(Panel(f"error of {name}", COMPARED[name], [Curve(time, other - one)], within=(-span, span)))
-        return {"over_time": sheet(panels, "time [s]"), "worst": self._worst()}
+            panels.append(_panel(readable(name), name, time, {"measured": one, "simulated": other}, span))
+            panels.append(_panel(f"error of {readable(name)}", name, time, {"": other - one}, span))
+        return {"over_time": Sheet(panels), "worst": self._worst()}
 
-    def _worst(self) -> Figure:
+    def _worst(self) -> Sheet:
         order = np.argsort(np.nan_to_num(self.of_windows[YAW_RATE], nan=np.inf))[::-1][:_SHOWN]
         panels = []
         for window in order:
             begin = self.begins()[window]
             time = np.arange(self.replay.windows.size) * self.replay.record.period
             for name in (YAW_RATE, SIDESLIP):
-                pair = (("measured", self.replay.measured(name)), ("simulated", self.simulated[name]))
-                curves = [Curve(time, v[window], label) for label, v in pair]
-                panels.append(Panel(f"{name} from {begin:.1f} s", COMPARED[name], curves))
-            used = [Curve(time, self.friction_used[i, window], w) for i, w in enumerate(WHEEL_NAMES)]
+                both = {"measured": self.replay.measured(name)[window], "simulated": self.simulated[name][window]}
+                panels.append(_panel(f"{readable(name)} from {begin:.1f} s", name, time, both))
+            used = [Curve(time, self.friction_used[i, window], readable(w)) for i, w in enumerate(WHEEL_NAMES)]
             panels.append(Panel("friction used", "force over load [1]", used))
-        return sheet(panels, "time in the window [s]", columns=3)
+        return Sheet(panels, "time in the window [s]", columns=3)
 
     def write(
         self, folder: Path, command: str, page: bool, more: Mapping[str, Any] | None = None, table: str = ""
@@ -194,12 +193,19 @@ class Validation:
         write_summary(folder / SUMMARY, content | dict(more or {}))
         save(both["simulated"], folder / SIGNALS)
         if page:
-            figures = self.figures()
+            figures = drawn(self.figures())
             save_figures(figures, folder)
             signals = Signals("", both, None)
             shown = "\n\n".join(filter(None, (table, self.table())))
             title = f"{configurations['plant'].common.vehicle.name} against {Path(self.replay.record.source).name}"
             write_page(Page(title, {"": content}, (signals,), images_of(figures, folder), shown), folder / PAGE)
+
+
+def _panel(title: str, signal: str, time: np.ndarray, values: Mapping[str, np.ndarray], span: float = np.inf) -> Panel:
+    """A signal by label over time, in the unit of figures; a curve may leave the panel beyond the span."""
+    unit, factor = IN_FIGURES.get(COMPARED[signal], (COMPARED[signal], 1.0))
+    curves = [Curve(time, factor * each, label) for label, each in values.items()]
+    return Panel(title, f"{readable(signal)} [{unit}]", curves, within=(-factor * span, factor * span))
 
 
 def signals_to_show() -> Sequence[str]:

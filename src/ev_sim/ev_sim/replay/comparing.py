@@ -12,8 +12,8 @@ import numpy as np
 from ev_core.nodes.master.real_time import Histogram
 from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.figures.drawing import Figure
-from ev_sim.figures.other_axes import histogram_sheet
+from ev_sim.figures.other_axes import histograms
+from ev_sim.figures.sheets import Sheet
 from ev_sim.recording.recording import Recording
 from ev_sim.replay.recorded import Recorded
 from ev_sim.report.tables import cell, text_table, write_tables
@@ -61,10 +61,10 @@ def _counted(nanoseconds: np.ndarray) -> dict[str, Any]:
     return {**histogram.as_json(), "median": median}
 
 
-def latency_sheet(timing: Mapping[str, Any]) -> Figure:
+def latency_sheet(timing: Mapping[str, Any]) -> Sheet:
     """Both as histograms."""
     titles = {_JITTER: "interval of messages, beside the period", _LATENCY: "answer after the last of its inputs"}
-    return histogram_sheet([[(titles[what], timing[what]) for what in (_JITTER, _LATENCY)]])
+    return Sheet([histograms(titles[what], timing[what]) for what in (_JITTER, _LATENCY)])
 
 
 def latencies_in_words(timing: Mapping[str, Any], topics: list[str]) -> list[str]:

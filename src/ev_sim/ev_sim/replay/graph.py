@@ -20,7 +20,8 @@ from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.figures.saving import FORMATS, figure_files, save_figures
+from ev_sim.figures.saving import Print, figure_files, save_figures
+from ev_sim.figures.sheets import drawn
 from ev_sim.recording.outcome import Outcome
 from ev_sim.recording.recording import (
     LOG,
@@ -177,7 +178,7 @@ def replay_folder(replay: Replay, out: Path) -> OutputFolder:
     if any(source.is_relative_to((out / run.name).resolve()) for run in runs):
         raise ParameterError(f"--out {out}: the run that is replayed is there, allowed is another folder")
     logs = [f"{REPLAYED}/{LOG}/{role}.log" for role in ROLES]
-    return OutputFolder(out, "replay", [*OF_ALL_RUNS, *TABLES, *figure_files([_LATENCY], FORMATS), *logs], runs)
+    return OutputFolder(out, "replay", [*OF_ALL_RUNS, *TABLES, *figure_files([_LATENCY]), *logs], runs)
 
 
 def prepared(replay: Replay, folder: OutputFolder) -> Run:
@@ -238,13 +239,15 @@ class Replayed:
             f"{self.run.duration:g} s in {self.outcome.wall_time:.2f} s",
         ]
 
-    def write(self, folder: OutputFolder, page: bool, formats: Sequence[str]) -> str:
+    def write(self, folder: OutputFolder, page: bool, prints: Print) -> str:
         """Write all of it; the answer names the page if there is one."""
         runs = {_RECORDED: self._recorded(), REPLAYED: self.outcome.recording}
         comparing.table_files(self.differences, folder.directory)
         content = self._content(runs)
-        figures = {_LATENCY: comparing.latency_sheet(self._latency)} if self._latency else {}
-        save_figures(figures, folder.directory, formats)
+        sheets = {_LATENCY: comparing.latency_sheet(self._latency)} if self._latency else {}
+        figures = drawn(sheets)
+        save_figures(figures, folder.directory)
+        prints.save(sheets, folder.directory, folder.claim)
         write_summary(folder.directory / SUMMARY, content)
         if not page:
             return ""

@@ -15,7 +15,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.figures.drawing import Curve, Figure, Panel, panel, sheet
+from ev_sim.figures.panels import Curve, Panel, motion_panels, panel, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.course import NO_COURSE, Course
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel
@@ -35,7 +36,7 @@ class Report(NamedTuple):
     """
 
     metrics: Callable[..., dict[str, Metric]]
-    figures: Callable[..., dict[str, Figure]]
+    figures: Callable[..., dict[str, Sheet]]
 
 
 def report_for(scenario: str) -> Report:
@@ -73,26 +74,19 @@ def _any_metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     return motion.of_each_run(runs, of)
 
 
-def _any_figures(runs: Runs) -> dict[str, Figure]:
+def _any_figures(runs: Runs) -> dict[str, Sheet]:
     """One sheet for each run."""
-    return {
-        f"overview_{name}" if len(runs) > 1 else "overview": sheet(_panels(run), "time [s]")
-        for name, run in runs.items()
-    }
+    return {f"overview_{name}" if len(runs) > 1 else "overview": Sheet(_panels(run)) for name, run in runs.items()}
 
 
 def _panels(run: Recording) -> list[Panel]:
     def wheels(quantity: str) -> list[Curve]:
-        return [Curve(run.time, channel(run, f"{quantity}.{name}"), name.replace("_", " ")) for name in WHEEL_NAMES]
-
-    def steering_angle() -> list[Curve]:
-        return [Curve(run.time, np.degrees(channel(run, motion.ROAD_WHEEL_ANGLE)))]
+        return [Curve(run.time, channel(run, f"{quantity}.{name}"), readable(name)) for name in WHEEL_NAMES]
 
     return [
-        panel("Speed", "speed [m/s]", lambda: [Curve(run.time, motion.path_speed(run))]),
-        panel("Steering angle", "angle [deg]", steering_angle),
+        *motion_panels({"": run}, "speed", "road_wheel_angle"),
         panel("Drive torques", "torque [N m]", lambda: wheels("wheel_states.effort")),
-        panel("Wheel speeds", "speed [rad/s]", lambda: wheels("wheel_states.velocity")),
+        panel("Wheel speeds", "wheel speed [rad/s]", lambda: wheels("wheel_states.velocity")),
     ]
 
 
@@ -110,7 +104,7 @@ def metrics_of_runs(signals: Runs, runs: Sequence[Run]) -> dict[str, Metric]:
     return {**_of_report("metrics", signals, runs[0]), **own_metrics(runs[0].metrics, driven)}
 
 
-def figures_of_runs(signals: Runs, runs: Sequence[Run]) -> dict[str, Figure]:
+def figures_of_runs(signals: Runs, runs: Sequence[Run]) -> dict[str, Sheet]:
     """By name the figures of the report of a scenario."""
     return dict(_of_report("figures", signals, runs[0]))
 
@@ -154,9 +148,10 @@ def further_metrics(run: Run, texts: Sequence[str], must_exist: bool = True) -> 
 
 
 def row_of(metrics: Mapping[str, Metric]) -> dict[str, Any]:
-    """Metrics as a study keeps them: values by name, and of all their units, of those without a value why."""
+    """Metrics as a study keeps them: values by name, the units, what is better, and why some have no value."""
     return {
         **{name: each.value for name, each in metrics.items() if each.value is not None},
         "units": {name: each.unit for name, each in metrics.items()},
         "reasons": {name: each.note for name, each in metrics.items() if each.value is None},
+        "better": {name: each.better for name, each in metrics.items() if each.better},
     }

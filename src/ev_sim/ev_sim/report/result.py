@@ -15,9 +15,9 @@ from ev_core.parameters.data_file import TIME, files_in_config
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.figures.drawing import Figure
 from ev_sim.figures.other_axes import timing_sheet
-from ev_sim.figures.saving import figure_files, save_figures
+from ev_sim.figures.saving import Print, figure_files, save_figures
+from ev_sim.figures.sheets import COLUMN, WIDE, Figure, Sheet, drawn
 from ev_sim.measures.metric import Metric, Runs
 from ev_sim.recording.offline import true_motion
 from ev_sim.recording.outcome import Outcome
@@ -107,12 +107,15 @@ class Result:
         runs = [run.name for run in self.scenario.runs]
         return differences(self.scenario, load_scenario(str(self.scenario.file), only=runs))
 
-    def figures(self) -> dict[str, Figure]:
-        """Figures by name, drawn anew."""
-        figures = figures_of_runs(self.truth, self.scenario.runs)
-        if self._timing:
-            figures["timing"] = timing_sheet(self._timing)
-        return figures
+    @cached_property
+    def sheets(self) -> dict[str, Sheet]:
+        """What the figures show, by name."""
+        timing = {"timing": timing_sheet(self._timing)} if self._timing else {}
+        return {**figures_of_runs(self.truth, self.scenario.runs), **timing}
+
+    def figures(self, width: float = WIDE) -> dict[str, Figure]:
+        """Figures [inch wide] of matplotlib by name, drawn anew."""
+        return drawn(self.sheets, width)
 
     @property
     def _timing(self) -> dict[str, Mapping[str, Any]]:
@@ -160,26 +163,28 @@ class Result:
             differs=self.differs,
         )
 
-    def save(self, directory: Path | str, formats: Sequence[str] = ()) -> None:
+    def save(
+        self, directory: Path | str, formats: Sequence[str] = (), width: float = COLUMN, panels: Sequence[str] = ()
+    ) -> None:
         """Write report.html, summary.json, figures and, for several runs in folders of their names, signals.npz.
 
         What this or `scripts/run.sh` has written there of the same scenario is replaced. ParameterError, before
         anything is written, if something else is in the way.
-        `formats`: pdf or svg, for figures that are also wanted for print.
+        `formats`: pdf or svg, for figures that are also wanted for print, then `width` [inch], and `panels` by patterns
+        of NAME, PANEL or NAME.PANEL.
         """
         figures, runs = self.figures(), self.scenario.runs
-        files = (*OF_ALL_RUNS, *figure_files(figures, formats))
+        files = (*OF_ALL_RUNS, *figure_files(figures))
         with OutputFolder(Path(directory), f"scenario {self.scenario.name}", files, runs) as folder:
             for run in runs:
                 save(self.runs[run.name], folder.of(run) / SIGNALS)
-            self.write_report(folder.directory, figures, formats=formats)
+            self.write_report(folder.directory, figures)
+            Print(tuple(formats), width, tuple(panels)).save(self.sheets, folder.directory, folder.claim)
 
-    def write_report(
-        self, folder: Path, figures: Mapping[str, Figure], page: bool = True, formats: Sequence[str] = ()
-    ) -> dict[str, Any]:
+    def write_report(self, folder: Path, figures: Mapping[str, Figure], page: bool = True) -> dict[str, Any]:
         """Write figures, report.html if it is wanted, and summary.json, whose content comes back."""
         summary = self.summary()
-        save_figures(figures, folder, formats)
+        save_figures(figures, folder)
         content = summary.as_json()
         write_summary(folder / SUMMARY, content)
         if page:

@@ -12,25 +12,41 @@ import math
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from html import escape
 from importlib.util import find_spec
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TextIO
 
-from ev_sim.figures.drawing import DPI, Figure
+from ev_sim.figures.panels import DPI
+from ev_sim.figures.sheets import Figure
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.recording import atomic_file
+from ev_sim.report.latex import DIGITS, latex_table
 
 TABLES = tuple(f"table.{kind}" for kind in ("csv", "md", "tex", "parquet"))
-_SPECIAL = {"\\": r"\textbackslash{}", "_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "$": r"\$", "^": r"\^{}"}
 
 
-def write_tables(folder: Path, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
-    """Write table.csv with all digits of numbers, table.md, table.tex, and table.parquet; None is an empty cell."""
-    for suffix, text in (("csv", _csv), ("md", _markdown), ("tex", _latex)):
+def write_tables(
+    folder: Path,
+    columns: Sequence[str],
+    rows: Sequence[Sequence[Any]],
+    digits: int = DIGITS,
+    best: Mapping[str, str] = MappingProxyType({}),
+) -> None:
+    """Write table.csv with all digits of numbers, table.md, table.tex, and table.parquet; None is an empty cell.
+
+    `digits` and `best` are those of `latex_table`.
+    """
+    texts = {
+        "csv": _csv(columns, rows),
+        "md": _markdown(columns, rows),
+        "tex": latex_table(columns, rows, digits, best),
+    }
+    for suffix, text in texts.items():
         with atomic_file(folder / f"table.{suffix}") as file:
-            file.write(text(columns, rows).encode())
+            file.write(text.encode())
     if find_spec("pyarrow") is not None:
         import pyarrow
         import pyarrow.parquet
@@ -63,15 +79,6 @@ def _csv(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
 def _markdown(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
     lines = [columns, ["---"] * len(columns), *([cell(value) for value in row] for row in rows)]
     return "".join(f"| {' | '.join(each.replace('|', '&#124;') for each in line)} |\n" for line in lines)
-
-
-def _latex(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    def line(cells: Sequence[Any], text: Callable[[Any], str]) -> str:
-        return " & ".join("".join(_SPECIAL.get(c, c) for c in text(each)) for each in cells) + r" \\" + "\n"
-
-    body = "".join(line(row, cell) for row in rows)
-    head = f"\\begin{{tabular}}{{{'l' * len(columns)}}}\n\\hline\n{line(columns, str)}\\hline\n"
-    return f"{head}{body}\\hline\n\\end{{tabular}}\n"
 
 
 def text_table(columns: Sequence[str], rows: Sequence[Sequence[str]], left: Collection[str]) -> str:

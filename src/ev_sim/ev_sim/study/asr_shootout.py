@@ -16,7 +16,8 @@ from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.driver.path import nearest, path_of, point_at
-from ev_sim.figures.drawing import Curve, Figure, Panel, sheet
+from ev_sim.figures.panels import Curve, Panel, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.handling import slip_powers
 from ev_sim.measures.metric import Metric, channel, metric
 from ev_sim.measures.motion import crossing_time, distance_on_path, heading, speed
@@ -279,15 +280,15 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     return rows_of_cases(results, {name: f".{digits}f" for name, (_, digits) in QUANTITIES.items()})
 
 
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """The slip of the front left wheel over time on some roads, with some controls."""
     roads, names = _chosen(given)
     panels = []
     for road in [each for each in TRACED if each in roads] or roads[:1]:
         curves = [
-            Curve(measured["trace_time"], measured["trace_slip"], name)
+            Curve(measured["trace_time"], measured["trace_slip"], readable(name))
             for name in DRAWN
             if name in names and (measured := results[name_of(road, name)].measured)
         ]
         panels.append(Panel(f"{road}: slip of the front left wheel", "slip ratio [1]", tuple(curves)))
-    return {"slip": sheet(panels, "time [s]")}
+    return {"slip": Sheet(panels)}

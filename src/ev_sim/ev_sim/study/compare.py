@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,8 +12,9 @@ import numpy as np
 from ev_core.methods.register import methods_of
 from ev_msgs_py.refusal import unknown_name
 from ev_sim.command_line.options import add_metrics
-from ev_sim.figures.drawing import Curve, Figure, panel, sheet
 from ev_sim.figures.other_axes import plan_view
+from ev_sim.figures.panels import Curve, Panel, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, channel
 from ev_sim.measures.own_metrics import listed, named_metric
@@ -21,7 +23,7 @@ from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import further_metrics, measured_metrics, row_of
 from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, CaseResult, Results, not_measured, run_of_command
+from ev_sim.study.study import Case, CaseResult, Results, better_by_column, not_measured, run_of_command
 
 ABOUT = "Every electronic differential on the same car in any scenario, one table and one figure"
 ROLE = "electronic_differential"
@@ -102,6 +104,11 @@ def table(given: argparse.Namespace, results: Results) -> tuple[Sequence[str], l
     return columns, [[law, *(measured.get(name) for name in shown)] for law, measured in driven.items()]
 
 
+def better(given: argparse.Namespace, results: Results) -> dict[str, str]:
+    """Of the metrics of which more or less is better."""
+    return better_by_column(_shown(given, results), results)
+
+
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The metrics of each method that could be driven."""
     columns, rows = table(given, results)
@@ -113,25 +120,25 @@ def tables(given: argparse.Namespace, results: Results) -> str:
     return "\n".join(filter(None, (text_table(columns, texts, left=columns[:1]), lacking)))
 
 
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """Paths, and yaw rate, sideslip angle, speed and torque difference over time, all methods one over the other."""
     driven = {name: result for name, result in results.items() if not result.refused}
 
-    def over_time(title: str, ylabel: str, quantity: str):
-        return panel(title, ylabel, lambda: [_curve(name, of, "time", quantity) for name, of in driven.items()])
+    def over_time(title: str, ylabel: str, quantity: str, factor: float = 1.0) -> Panel:
+        return Panel(title, ylabel, [_curve(name, of, "time", quantity, factor) for name, of in driven.items()])
 
     panels = [
-        over_time("Yaw rate", "yaw rate [rad/s]", "yaw_rate"),
+        over_time("Yaw rate", "yaw rate [deg/s]", "yaw_rate", math.degrees(1.0)),
         over_time("Sideslip angle", "angle [deg]", "sideslip"),
         over_time("Speed", "speed [m/s]", "speed"),
         over_time("Torque request, right minus left", "torque [N m]", "torque_difference"),
     ]
     tracks = [_curve(name, of, "x", "y") for name, of in driven.items()]
-    return {"overlay": sheet(panels, "time [s]"), "paths": plan_view(f"Paths, {given.scenario}", tracks)}
+    return {"overlay": Sheet(panels), "paths": plan_view(f"Paths, {given.scenario}", tracks)}
 
 
-def _curve(name: str, of: CaseResult, x: str, y: str) -> Curve:
-    return Curve(of.measured[x], of.measured[y], marked(name, of), spun=of.spun)
+def _curve(name: str, of: CaseResult, x: str, y: str, factor: float = 1.0) -> Curve:
+    return Curve(of.measured[x], factor * of.measured[y], readable(marked(name, of)), spun=of.spun)
 
 
 def marked(name: str, of: CaseResult) -> str:

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ev_sim.driver.path import nearest, path_of
-from ev_sim.figures.drawing import Curve, Figure, Panel, sheet
+from ev_sim.figures.panels import Curve, Panel, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, channel
 from ev_sim.recording.recording import Recording
@@ -188,20 +189,20 @@ def _cells(given: argparse.Namespace, measured: Mapping[str, Any]) -> tuple[str,
     return (*numbers, "yes" if is_safe(given, measured) else "no")
 
 
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """Deviation from the path, yaw rate error and hand torque over time: power steering with a dead motor."""
     shown = (
-        ("deviation", "from the path, left positive", "m"),
-        ("yaw_rate", "yaw rate less that of the path", "deg/s"),
+        ("deviation", "deviation from the path, left positive", "deviation [m]"),
+        ("yaw_rate", "yaw rate less that of the path", "yaw rate [deg/s]"),
     )
     pairs = [(SOUND, OFF), *((fault, asr) for fault in OF_MOTORS[:2] for asr in (OFF, LIMP))]
     panels = []
-    for law, road, (quantity, title, unit) in itertools.product((DRAWN, DRAWN + POWERED), ROADS, shown):
-        drawn = {f"{fault}, {asr}": results.get(name_of(fault, law, asr, road)) for fault, asr in pairs}
+    for law, road, (quantity, title, ylabel) in itertools.product((DRAWN, DRAWN + POWERED), ROADS, shown):
+        drawn = {f"{fault}, {readable(asr)}": results.get(name_of(fault, law, asr, road)) for fault, asr in pairs}
         curves = [
             Curve(result.measured["time"], result.measured[quantity], label)
             for label, result in drawn.items()
             if result is not None and "time" in result.measured
         ]
-        panels.append(Panel(f"{law}, {road}: {title}", unit, tuple(curves)))
-    return {DRAWN: sheet(panels, "time [s]")}
+        panels.append(Panel(f"{readable(law)}, {road}: {title}", ylabel, curves))
+    return {DRAWN: Sheet(panels)}

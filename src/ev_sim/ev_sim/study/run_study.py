@@ -14,13 +14,14 @@ from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
-from ev_sim.command_line.options import add_outputs, add_overrides, command_of, overrides
+from ev_sim.command_line.options import add_outputs, add_overrides, command_of, overrides, printing
 from ev_sim.command_line.refusal import Parser
-from ev_sim.figures.drawing import Figure
 from ev_sim.figures.saving import figure_files, save_figures
+from ev_sim.figures.sheets import Sheet, drawn
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.outcome import RunFailed, announce, bar_of_runs
 from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SUMMARY
+from ev_sim.report.latex import DIGITS
 from ev_sim.report.summary import versions, write_summary
 from ev_sim.report.tables import TABLES, print_metrics, text_table, write_tables
 from ev_sim.running.output_folder import OutputFolder
@@ -45,6 +46,14 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
     add_overrides(parser)
     add_outputs(parser)
+    parser.add_argument(
+        "--digits",
+        type=_positive,
+        default=DIGITS,
+        metavar="N",
+        help="significant ones of table.tex; default: %(default)s",
+    )
+    parser.add_argument("--bold", action="store_true", help="best values of table.tex in bold, where one way is better")
     getattr(study, "add_options", lambda parser: None)(parser)
     return parser.parse_args(argv)
 
@@ -128,7 +137,7 @@ def _refuse_what_it_sets(case: Case, changed: Iterable[tuple[str, str]]) -> None
 def run_study(name: str, argv: Sequence[str]) -> None:
     """Drive all cases of a study and report; raises what `ev_sim.commands.run_scenario.main` catches."""
     study, given = study_named(name), arguments(name, argv)
-    cases = study_cases(study, given)
+    cases, prints = study_cases(study, given), printing(given)
     out = given.out or Path("results") / name
     announce(f"{name}: {len(cases)} runs")
     rows = KeptRows(out, name, cases, given.anew)
@@ -142,14 +151,16 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         results = {result.name: result for result in driven}
         if all(result.refused for result in driven):
             raise RunFailed(f"none of {len(driven)} runs has a row; {driven[0].name}: {driven[0].refused}")
-        metrics, figures, tables, table = _summed_up(study, given, results)
-        folder.claim(figure_files(figures, given.figures))
-        save_figures(figures, folder.directory, given.figures)
+        metrics, sheets, tables, table = _summed_up(study, given, results)
+        figures = drawn(sheets)
+        folder.claim(figure_files(figures))
+        save_figures(figures, folder.directory)
         content = _summary(name, given, cases, signals, results, metrics, wall_time)
         content["command"] = command_of([name, *argv])
         write_summary(folder.directory / SUMMARY, content)
         if table is not None:
-            write_tables(folder.directory, *table)
+            best = study.better(given, results) if given.bold and hasattr(study, "better") else {}
+            write_tables(folder.directory, *table, given.digits, best)
         if not given.no_report:
             from ev_sim.report.page.writing import Page, images_of, measured_signals, write_page
 
@@ -159,6 +170,7 @@ def run_study(name: str, argv: Sequence[str]) -> None:
             )
             shown = Page(name, {"": content}, series, images_of(figures, folder.directory), tables)
             write_page(shown, folder.directory / PAGE)
+        prints.save(sheets, folder.directory, folder.claim)
     if tables:
         print(tables, end="\n\n")
     # What a table has stands there, and not once more below it.
@@ -209,7 +221,7 @@ def _drive(
 
 def _summed_up(
     study: Study, given: argparse.Namespace, results: Results
-) -> tuple[dict[str, Metric], dict[str, Figure], str, Any]:
+) -> tuple[dict[str, Metric], dict[str, Sheet], str, Any]:
     """Metrics, figures, tables and, if the study has it, the table for files; RunFailed if a case lacks for them."""
     try:
         figures = figures_of(study, given, results)
@@ -222,7 +234,7 @@ def _summed_up(
         raise RunFailed(f"this study needs all of its cases; {lacking.name}: {lacking.refused}") from error
 
 
-def figures_of(study: Study, given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+def figures_of(study: Study, given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """The figures of a study, none if it draws none."""
     return study.figures(given, results) if hasattr(study, "figures") else {}
 

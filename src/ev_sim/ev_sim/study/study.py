@@ -111,6 +111,14 @@ def not_measured(names: Sequence[str], results: Results) -> str:
     return "\n".join(found)
 
 
+def better_by_column(units: Mapping[str, str], results: Results) -> dict[str, str]:
+    """Which values are better by column `METRIC [UNIT]`, of those metrics that have it in the row of a run."""
+    better: dict[str, str] = {}
+    for result in results.values():
+        better |= result.measured.get("better", {})
+    return {f"{name} [{unit}]": better[name] for name, unit in units.items() if name in better}
+
+
 def run_of_command(given: argparse.Namespace) -> Run:
     """The run that a command names by its scenario and --run, the first if it names none, with what it changes.
 
@@ -158,6 +166,7 @@ class Study(Protocol):
     # - `tables(given, results)`, the text that is printed above the metrics; without it these are its rows below
     #   COLUMNS, of which the first LEFT ones are set to the left, below a line HEADING if there is one,
     # - `table(given, results)`, whose columns and rows of values are kept as files,
+    # - `better(given, results)`, by column of that table which values are better, `metric.LOWER` or `metric.HIGHER`,
     # - `variations(given)`, by NODE.PARAM the values that it varies itself,
     # - `SHORTEST`, the least simulated time with which there is anything to measure [s].
 

@@ -14,8 +14,9 @@ import yaml
 
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.command_line.options import add_metrics
-from ev_sim.figures.drawing import Figure
-from ev_sim.figures.other_axes import lines_with_bands, maps
+from ev_sim.figures.other_axes import band, colour_map
+from ev_sim.figures.panels import IN_FIGURES, readable
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.metric import Metric
 from ev_sim.measures.own_metrics import listed, named_metric
 from ev_sim.recording.recording import Recording
@@ -23,7 +24,7 @@ from ev_sim.report.reports import further_metrics, measured_metrics, row_of
 from ev_sim.report.tables import cell, text_table
 from ev_sim.scenarios.parameter_file import read_yaml
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results, not_measured, run_of_command
+from ev_sim.study.study import Case, Results, better_by_column, not_measured, run_of_command
 
 ABOUT = "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or maps"
 SEED = "seed"
@@ -161,6 +162,11 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     return found
 
 
+def better(given: argparse.Namespace, results: Results) -> dict[str, str]:
+    """Of the metrics of which more or less is better."""
+    return better_by_column(_shown(given, results), results)
+
+
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text, and a line for each metric that no run has, or if there is none at all."""
     columns, rows = table(given, results)
@@ -171,7 +177,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
     return "\n".join(filter(None, (text_table(columns, texts, left=()), lacking, hint)))
 
 
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """Over one varied number lines with bands of the seeds, over two maps of the means; nothing over more or texts."""
     varied = variations(given)
     seeds = len(varied.pop(SEED, [0]))
@@ -179,16 +185,18 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     lengths = [len(values) for values in axes.values()]
     if len(axes) != len(varied) or len(axes) not in (1, 2) or min(lengths) < 2:
         return {}
-    columns, rows = table(given, results)
-    found = []
-    for i, column in list(enumerate(columns))[-len(_shown(given, results)) :]:
-        values = np.array([np.nan if row[i] is None else row[i] for row in rows], float)
-        found.append((column, values.reshape(*lengths, seeds)))
-    names, places = list(axes), list(axes.values())
-    if len(axes) == 1:
-        return {"sweep": lines_with_bands(names[0], places[0], found)}
-    means = [(column, values.mean(axis=2)) for column, values in found]
-    return {"sweep": maps(names[1], places[1], names[0], places[0], means)}
+    panels = []
+    for name, unit in _shown(given, results).items():
+        found = [result.measured.get(name) for result in results.values()]
+        values = np.array([math.nan if value is None else value for value in found]).reshape(*lengths, seeds)
+        shown, factor = IN_FIGURES.get(unit, (unit, 1.0))
+        title, (*y, x) = readable(name), axes.items()
+        panels.append(
+            colour_map(title, x, y[0], shown, factor * values.mean(axis=2))
+            if y
+            else band(title, x, f"{title} [{shown}]", factor * values)
+        )
+    return {"sweep": Sheet(panels)}
 
 
 def _are_numbers(values: Sequence[Any]) -> bool:

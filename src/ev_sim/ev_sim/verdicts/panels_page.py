@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ev_sim.figures.drawing import Figure, Panel, sheet
+from ev_sim.figures.panels import Panel
 from ev_sim.figures.saving import save_figures
+from ev_sim.figures.sheets import Sheet, drawn
 from ev_sim.recording.recording import atomic_file
 from ev_sim.report.page.writing import filled
 from ev_sim.verdicts.need import Driven, Need
 from ev_sim.verdicts.sources import source_named
 
-WIDTH = 6.2  # of a panel with its labels [inch]
-Draw = Callable[..., "Figure"]  # takes what was driven, one argument for each of the needs
+Draw = Callable[..., Sheet]  # takes what was driven, one argument for each of the needs
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,18 +48,15 @@ def over_time(
     panel: Callable[..., Panel],
     xlabel: str = "time [s]",
     start: float | None = None,
-    ends: tuple[float, float] | None = None,
+    ends: tuple[float | None, float | None] = (None, None),
 ) -> Draw:
     """The function that draws one pair of axes over time, or over another abscissa.
 
     `start` is the begin of the abscissa, `ends` are those of the ordinate where the source has them.
     """
 
-    def draw(*driven: object) -> Figure:
-        figure = sheet([panel(*driven)], xlabel, columns=1, start=start, panel_width=WIDTH)
-        if ends:
-            figure.axes[0].set_ylim(*ends)
-        return figure
+    def draw(*driven: object) -> Sheet:
+        return Sheet([replace(panel(*driven), ends=ends)], xlabel, start=start)
 
     return draw
 
@@ -95,12 +92,12 @@ def draw_panels(
     source: str, shown: Sequence[PublishedPanel], driven: Mapping[Need, Driven], folder: Path
 ) -> list[Path]:
     """Draw those panels of a source that can be drawn."""
-    paths = []
-    for panel in shown:
-        if panel.draw:
-            figure = panel.draw(*(driven[need] for need in panel.needs))
-            paths += save_figures({Path(file_name(source, panel)).stem: figure}, folder)
-    return paths
+    sheets = {
+        Path(file_name(source, panel)).stem: panel.draw(*(driven[need] for need in panel.needs))
+        for panel in shown
+        if panel.draw
+    }
+    return save_figures(drawn(sheets), folder)
 
 
 def write_page(shown: Mapping[str, Sequence[PublishedPanel]], folder: Path) -> Path:

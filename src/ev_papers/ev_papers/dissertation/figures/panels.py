@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -16,12 +15,13 @@ from ev_papers.dissertation.figures.urban_mixed import (
     slip_curve_figure,
     wheel_efficiency,
 )
-from ev_papers.dissertation.figures.urban_sheets import cycle_figure, sheet_over_cycle
+from ev_papers.dissertation.figures.urban_sheets import cycle_figure, over_cycle
 from ev_papers.dissertation.measures.urban_cases import BENCH, FIVE, METHODS, SCENARIO, case
 from ev_sim.drives.electrical_side import loss_power
 from ev_sim.drives.synchronous_motor import voltage_limited_torque
-from ev_sim.figures.drawing import Curve, Figure, Panel, panel
 from ev_sim.figures.other_axes import contours
+from ev_sim.figures.panels import Curve, Panel, panel
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.metric import channel
 from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
 from ev_sim.recording.recording import Recording
@@ -33,13 +33,13 @@ CYCLES, ON_BENCH = (
     for scenario in (SCENARIO, BENCH)
 )
 _FIGURES_OF_A_METHOD = 5
-_OfRun = Callable[[Recording, Vehicle, Mapping[str, Any]], Figure]  # of the run, its car, the parameters of its driver
+_OfRun = Callable[[Recording, Vehicle, Mapping[str, Any]], Sheet]  # of the run, its car, the parameters of its driver
 
 
 def _of_run(draw: _OfRun) -> Draw:
     """What draws the only run of a scenario."""
 
-    def drawn(driven: ScenarioRuns) -> Figure:
+    def drawn(driven: ScenarioRuns) -> Sheet:
         (run,) = driven.runs.values()
         return draw(run, driven.vehicle, driven.parameters["driver"])
 
@@ -75,7 +75,7 @@ def _simulated(row: str, first: int, letter: str, draw: _OfRun) -> tuple[Publish
     return _of_each_method(f"Simulation, {row}", lambda method: f"3.{2 * method - 2 + first}", letter, draw, CYCLES)
 
 
-def _model_and_bench(model: ScenarioRuns, bench: ScenarioRuns) -> Figure:
+def _model_and_bench(model: ScenarioRuns, bench: ScenarioRuns) -> Sheet:
     """Right torque of both runs of method 1."""
     (one,), (other,) = model.runs.values(), bench.runs.values()
 
@@ -85,7 +85,7 @@ def _model_and_bench(model: ScenarioRuns, bench: ScenarioRuns) -> Figure:
             Curve(other.time, channel(other, "bench.shafts.torque.front_right"), "bench"),
         ]
 
-    return sheet_over_cycle([panel("Right torque, method 1", "torque [N m]", curves)], one, model.parameters["driver"])
+    return over_cycle([panel("Right torque, method 1", "torque [N m]", curves)], one, model.parameters["driver"])
 
 
 _BENCH_PANELS = (
@@ -111,9 +111,9 @@ _slip_curve = _of_run(lambda run, vehicle, driver: slip_curve_figure(run, vehicl
 def _cycle(figure: str, title: str, file: str) -> PublishedPanel:
     def points() -> list[Curve]:
         cycle = with_profile_from_file(SpeedProfileParameters(file=file))
-        return [Curve(np.array(cycle.time), 3.6 * np.array(cycle.speed))]
+        return [Curve(np.array(cycle.time), np.array(cycle.speed))]
 
-    draw = over_time(lambda: panel(title, "speed [km/h]", points))
+    draw = over_time(lambda: panel(title, "speed [m/s]", points))
     return PublishedPanel(figure, "", _CYCLES, (f"diss.fig{figure}",), draw=draw)
 
 
@@ -130,7 +130,7 @@ _CYCLE_PANELS = (
 _ROW = "Characteristics of the YASA-400; limits as printed; losses, winding and voltages assumed"
 _CAR = ScenarioNeed("urban_mixed", duration=0.01)  # for the car alone
 _CELL = 3.2  # V
-_SPEED = "speed of the shaft [rpm]"
+_SPEED = "shaft speed [rad/s]"
 
 
 def _speeds(driven: ScenarioRuns) -> np.ndarray:
@@ -138,7 +138,7 @@ def _speeds(driven: ScenarioRuns) -> np.ndarray:
 
 
 def _limits(driven: ScenarioRuns) -> Panel:
-    motor, speed, rpm = driven.vehicle.motor, _speeds(driven), _speeds(driven) * 30 / math.pi
+    motor, speed = driven.vehicle.motor, _speeds(driven)
     cells = driven.vehicle.battery.cells
 
     def curves() -> list[Curve]:
@@ -148,27 +148,22 @@ def _limits(driven: ScenarioRuns) -> Panel:
             envelope = np.array([voltage_limited_torque(motor.winding, voltage, each) for each in speed])
             torque = np.minimum(np.minimum(motor.peak_torque, motor.peak_power / speed), envelope)
             drawn += [
-                Curve(rpm, torque, f"torque [N m], {voltage:.0f} V"),
-                Curve(rpm, torque * speed / 1e3, f"power [kW], {voltage:.0f} V"),
+                Curve(speed, torque, f"torque [N m], {voltage:.0f} V"),
+                Curve(speed, torque * speed / 1e3, f"power [kW], {voltage:.0f} V"),
             ]
         return drawn
 
-    return panel("a  Peak torque and power by voltage, from assumed constants", "[N m], [kW]", curves)
+    return panel("a  Peak torque and power by voltage, from assumed constants", "torque [N m], power [kW]", curves)
 
 
-def _efficiency(driven: ScenarioRuns) -> Figure:
+def _efficiency(driven: ScenarioRuns) -> Sheet:
     motor = driven.vehicle.motor
     speed, torque = np.meshgrid(_speeds(driven), np.linspace(5.0, motor.peak_torque, 100))
     power = speed * torque
     efficiency = np.where(power <= motor.peak_power, power / (power + loss_power(motor, torque, speed)), np.nan)
     levels = (0.5, 0.7, 0.8, 0.85, 0.9, 0.92, 0.94, 0.95, 0.96)
-    return contours(
-        "b  Efficiency of motor and inverter, as assumed",
-        (_SPEED, speed * 30 / math.pi),
-        ("torque [N m]", torque),
-        efficiency,
-        levels,
-    )
+    title = "b  Efficiency of motor and inverter, as assumed"
+    return Sheet([contours(title, (_SPEED, speed), ("torque [N m]", torque), efficiency, levels)])
 
 
 _MACHINE_PANELS = (

@@ -2,38 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_papers.dissertation.figures.urban_sheets import (
-    SHEET_WIDTH,
-    TIME_AXIS,
-    both_sides,
-    each_side,
-    left_and_right,
-    recorded,
-    sheet_over_cycle,
-    thin_sheet,
-)
+from ev_papers.dissertation.figures.urban_sheets import both_sides, each_side, left_and_right, over_cycle, recorded
 from ev_papers.dissertation.measures.circuits import CircuitShares, circuit_shares
 from ev_papers.dissertation.measures.slip_curve import SlipCurve, first_passed_peak, slip_and_road_torque
 from ev_papers.dissertation.measures.traction_windows import traction
-from ev_sim.figures.drawing import (
-    STROKES,
-    TEXT_SIZE,
-    TITLE_SIZE,
-    Axes,
-    Curve,
-    Figure,
-    Panel,
-    name_axes,
-    new_figure,
-    panel,
-    sheet,
-)
+from ev_sim.figures.panels import Axes, Curve, Panel, panel, readable
+from ev_sim.figures.sheets import Sheet
+from ev_sim.figures.strokes import HUES
 from ev_sim.measures import motion
 from ev_sim.measures.handling import surfaces_under
 from ev_sim.measures.metric import NotMeasured, channel
@@ -43,23 +26,19 @@ from ev_sim.tyres.curve import FRICTION_CURVES, friction
 
 AROUND = 0.1  # [s] before and after the window, of which samples are drawn, too
 _ALLOWED, _BEYOND = "#E3F1E6", "#FBE3DC"
+_SLIP, _SHAPE = "slip x = 1 - w_free/w [1]", 0.55  # abscissa, and height over width of the slip curve
 
 
-def slip_curve_figure(run: Recording, vehicle: Vehicle) -> Figure:
+def slip_curve_figure(run: Recording, vehicle: Vehicle) -> Sheet:
     """Road torque over slip where the left driven wheel first passes its peak: samples, fit and its two zones."""
-    figure = new_figure(6.4, 4.2)
-    figure.subplots_adjust(left=0.11, right=0.98, bottom=0.12, top=0.92)
-    axes = figure.add_subplot()
-    labels = "slip x = 1 - w_free/w [1]", "road torque y = (M - J w')/M_nom [1]"
-    name_axes(axes, "Slip curve by least squares", *labels, grid="", pad=6.0)
+    title, ylabel = "Slip curve by least squares", "road torque y = (M - J w')/M_nom [1]"
     try:
         wheel = _left_wheel(vehicle)
-        axes.set_title(f"Slip curve by least squares, {wheel.replace('_', ' ')} wheel", loc="left", fontsize=TITLE_SIZE)
-        _draw(axes, run, vehicle, wheel, first_passed_peak(run, vehicle, wheel))
+        title = f"{title}, {readable(wheel)} wheel"
+        ground = partial(_draw, run=run, vehicle=vehicle, wheel=wheel, curve=first_passed_peak(run, vehicle, wheel))
     except NotMeasured as why:
-        note = f"not measured: {why}"
-        axes.text(0.5, 0.5, note, transform=axes.transAxes, ha="center", fontsize=TEXT_SIZE, color="0.4")
-    return figure
+        return Sheet([Panel(title, ylabel, note=f"not measured: {why}", xlabel=_SLIP, shape=_SHAPE)])
+    return Sheet([Panel(title, ylabel, ground=ground, xlabel=_SLIP, shape=_SHAPE)])
 
 
 def _left_wheel(vehicle: Vehicle) -> str:
@@ -79,22 +58,19 @@ def _draw(axes: Axes, run: Recording, vehicle: Vehicle, wheel: str, curve: SlipC
     slips = np.linspace(0.0, right, 300)
     axes.axvspan(0.0, peak, facecolor=_ALLOWED, edgecolor="none")
     axes.axvspan(peak, right, facecolor=_BEYOND, edgecolor="none")
-    axes.plot(x[around], y[around], ".", color="0.6", ms=4, label=f"samples from {begin:.2f} s to {end:.2f} s")
-    axes.plot(x[curve.window], y[curve.window], "o", color=STROKES[0][0], ms=4, label="window of the fit")
+    axes.plot(x[around], y[around], ".", color="0.6", label=f"samples from {begin:.2f} s to {end:.2f} s")
+    axes.plot(x[curve.window], y[curve.window], "o", color=HUES[0], label="window of the fit")
     label = f"y = {curve.a:.3g} x + {curve.b:.3g} sqrt(x)"
-    axes.plot(slips, curve.at(slips), color=STROKES[1][0], lw=1.6, label=label)
+    axes.plot(slips, curve.at(slips), color=HUES[1], lw=1.6, label=label)
     surface, true = _of_the_road(run, vehicle, wheel, curve, y, slips)
-    axes.plot(slips, true, color="0.25", linestyle=STROKES[1][1], lw=1.0, label=surface.replace("_", " "))
+    axes.plot(slips, true, color="0.25", linestyle="--", label=readable(surface))
     axes.axvline(peak, color="0.3", lw=0.9)
     axes.plot(x[hit], y[hit], "D", color="#B00020", ms=6, label=f"peak passed at {run.time[hit]:.3f} s")
     for place, number, words in ((peak / 2, 1, "allowed slip"), ((peak + right) / 2, 2, "beyond the grip")):
-        axes.text(place, 0.98 * top, f"zone {number}: {words}", ha="center", va="top", fontsize=TEXT_SIZE)
-    axes.annotate(
-        f"dy/dx = 0 at x = {peak:.4f}", (peak, 0.03 * top), (4, 0), textcoords="offset points", fontsize=TEXT_SIZE
-    )
+        axes.text(place, 0.98 * top, f"zone {number}: {words}", ha="center", va="top")
+    axes.annotate(f"dy/dx = 0 at x = {peak:.4f}", (peak, 0.03 * top), (4, 0), textcoords="offset points")
     axes.set_xlim(0.0, right)
     axes.set_ylim(0.0, top)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.08), fontsize=TEXT_SIZE, framealpha=0.85)
 
 
 def _of_the_road(
@@ -139,17 +115,18 @@ def panels(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[
         "efficiency [1]",
         lambda wheel: _drive_efficiency(run, vehicle, driver, wheel),
     )
+    efficiency = [replace(each, ends=(0.5, 1.0)) for each in efficiency]
     if on_bench:
         shown = (
             shown_by("Torque at the transducer", "torque [N m]", "bench.shafts.torque"),
-            shown_by("Speed at the transducer", "speed [rad/s]", "bench.shafts.speed"),
+            shown_by("Speed at the transducer", "shaft speed [rad/s]", "bench.shafts.speed"),
             shown_by("Current of the machine under test", "current [A]", "bench.electrical.current"),
             shown_by("Voltage of the machine under test", "voltage [V]", "bench.electrical.voltage"),
         )
     else:
         shown = (
             shown_by("Motor torque", "torque [N m]", "motor_states.effort"),
-            shown_by("Motor speed", "speed [rad/s]", "motor_states.velocity"),
+            shown_by("Motor speed", "shaft speed [rad/s]", "motor_states.velocity"),
             each_side(vehicle, "Current of the motor's circuit", "current [A]", lambda of: _current(run, vehicle, of)),
             each_side(vehicle, "Voltage", "voltage [V]", lambda of: Curve(run.time, channel(run, "battery.voltage"))),
         )
@@ -163,47 +140,45 @@ def electrical(
     chosen: Sequence[str] = OF_A_CIRCUIT,
     side: str = "",
     columns: int = 1,
-) -> Figure:
+) -> Sheet:
     """Some of the OF_A_CIRCUIT over the cycle, of both sides or of one: figures 3.1, 3.3 to 3.9 and 5.1 to 5.25."""
     of, wheels = panels(run, vehicle, driver), left_and_right(vehicle)
     shown = [each for name in chosen for wheel, each in zip(wheels, of[name], strict=True) if wheel.endswith(side)]
-    figure = sheet_over_cycle(shown, run, driver, columns)
-    for axes, each in zip(figure.axes, shown, strict=True):
-        if each in of["drive efficiency"]:
-            axes.set_ylim(0.5, 1.0)
-    return figure
+    return over_cycle(shown, run, driver, columns)
 
 
-def over_friction(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
+def over_friction(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Sheet:
     """Figures 5.5v to 5.25v: the torques, with the friction of the road under each wheel on an axis of its own."""
-    figure = electrical(run, vehicle, driver, ("torque",))
-    for axes, wheel in zip(list(figure.axes), left_and_right(vehicle), strict=True):
+
+    def beside(axes: Axes, wheel: str) -> None:
         friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
-        beside = axes.twinx()
-        beside.step(run.time[::10], friction[::10], where="post", color="0.6", linewidth=0.7)
-        beside.set_ylim(0.0, 1.05)
-        beside.set_ylabel("friction [1]", fontsize=8.0)
-        beside.tick_params(labelsize=8.0)
-    figure.subplots_adjust(right=0.93)
-    return figure
+        other = axes.twinx()
+        other.step(run.time[::10], friction[::10], where="post", color="0.6", linewidth=0.7)
+        other.set_ylim(0.0, 1.05)
+        other.set_ylabel("friction [1]")
+        other.spines["right"].set_visible(True)
+        other.grid(False)
+
+    torques = panels(run, vehicle, driver)["torque"]
+    grounds = [partial(beside, wheel=wheel) for wheel in left_and_right(vehicle)]
+    return Sheet([replace(each, ground=of) for each, of in zip(torques, grounds, strict=True)], columns=1)
 
 
 def wheel_efficiency(
     run: Recording, vehicle: Vehicle, driver: Mapping[str, Any], wheels: Sequence[str], below: Sequence[Panel] = ()
-) -> Figure:
+) -> Sheet:
     """Figures 3.2, 3.4 to 3.10: running efficiency (eq 2.37) of wheels over the friction there, and panels below."""
     of_wheels = [
         panel(
-            f"Wheel efficiency since the start, {wheel.replace('_', ' ')} (grey: largest friction of the road)",
+            f"Wheel efficiency since the start, {readable(wheel)}",
             "efficiency, friction [1]",
             lambda wheel=wheel: [_wheel_efficiency(run, vehicle, driver, wheel)],
+            ends=(0.0, 1.05),
         )
         for wheel in wheels
     ]
-    figure = thin_sheet([*of_wheels, *below])
-    for axes, wheel in zip(figure.axes, wheels, strict=False):
-        _lay_over_friction(axes, run, wheel)
-    return figure
+    over = [replace(each, ground=_friction_below(run, wheel)) for each, wheel in zip(of_wheels, wheels, strict=True)]
+    return Sheet([*over, *below], columns=1)
 
 
 def _wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any], wheel: str) -> Curve:
@@ -228,11 +203,11 @@ def _current(run: Recording, vehicle: Vehicle, wheel: str) -> Curve:
 def _shares(run: Recording, vehicle: Vehicle, wheel: str) -> CircuitShares:
     shares = circuit_shares(run, vehicle)
     if wheel not in shares:
-        raise NotMeasured(f"{wheel.replace('_', ' ')} is not driven")
+        raise NotMeasured(f"{readable(wheel)} is not driven")
     return shares[wheel]
 
 
-def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
+def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Sheet:
     """Some seconds of the first window in which the accelerator is pressed: what the torque control does."""
     try:
         begin = run.time[motion.first(traction(run, driver), "traction")] - 0.5
@@ -243,7 +218,7 @@ def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figur
     wheels = left_and_right(vehicle)
 
     def rims() -> list[Curve]:
-        named = [(wheel, f"{wheel.replace('_', ' ')} rim") for wheel in wheels]
+        named = [(wheel, f"{readable(wheel)} rim") for wheel in wheels]
         curves = [
             Curve(shorter.time, vehicle.wheel_radius * channel(shorter, f"wheel_states.velocity.{wheel}"), label)
             for wheel, label in named
@@ -257,34 +232,36 @@ def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figur
             Curve(shorter.time, share, "driver, per wheel"),
         ]
 
-    figure = sheet(
+    return Sheet(
         [
             panel("Wheel torque after the torque control", "torque [N m]", asked),
             panel("Speed", "speed [m/s]", rims),
-            panel("Slip ratio", "slip ratio [1]", lambda: both_sides(shorter, vehicle, "tire_forces.slip_ratio")),
+            panel(
+                "Slip ratio",
+                "slip ratio [1]",
+                lambda: both_sides(shorter, vehicle, "tire_forces.slip_ratio"),
+                ends=(-0.1, 0.6),  # the first turn of a wheel has any slip
+            ),
             panel(
                 "Largest friction of the road",
                 "friction [1]",
                 lambda: both_sides(shorter, vehicle, "tire_forces.friction_coefficient"),
+                ends=(0.0, 1.2),
             ),
         ],
-        TIME_AXIS,
         columns=1,
         start=float(shorter.time[0]),
-        panel_width=SHEET_WIDTH,
     )
-    figure.axes[2].set_ylim(-0.1, 0.6)  # the first turn of a wheel has any slip
-    figure.axes[3].set_ylim(0.0, 1.2)
-    return figure
 
 
-def _lay_over_friction(axes: Axes, run: Recording, wheel: str) -> None:
-    """The largest friction of the road under a wheel as a ground of its efficiency, whose curves become bolder."""
-    axes.set_ylim(0.0, 1.05)
-    for line in axes.lines:
-        line.set_linewidth(1.5)
+def _friction_below(run: Recording, wheel: str) -> Callable[[Axes], None] | None:
+    """Draws the largest friction of the road under a wheel as a ground; None if it was not recorded."""
     try:
-        friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
+        friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")[::10]
     except NotMeasured:
-        return
-    axes.fill_between(run.time[::10], friction[::10], step="post", color="0.87", linewidth=0.0, zorder=1)
+        return None
+
+    def ground(axes: Axes) -> None:
+        axes.fill_between(run.time[::10], friction, step="post", color="0.87", linewidth=0.0, label="largest friction")
+
+    return ground

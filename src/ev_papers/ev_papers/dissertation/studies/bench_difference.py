@@ -11,7 +11,8 @@ import numpy as np
 from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.traction_windows import in_windows
 from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, Values
-from ev_sim.figures.drawing import Curve, Figure, Panel, sheet
+from ev_sim.figures.panels import Curve, Panel
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.metric import Metric, NotMeasured
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
@@ -170,7 +171,7 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     return found
 
 
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """Figure 5.26 for each method: model and bench, over some seconds of the first window of traction."""
     shown = {}
     for driver in given.drivers:
@@ -185,7 +186,5 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
                 Curve(time[: len(bench["transducer"][part])], bench["transducer"][part], "bench"),
             ]
             panels.append(Panel(f"Right torque, method {method}", "torque [N m]", curves))
-        shown[f"figure_5_26_{driver}"] = sheet(
-            panels, "time [s]", columns=1, start=float(panels[0].curves[0].time[0]), panel_width=7.0
-        )
+        shown[f"figure_5_26_{driver}"] = Sheet(panels, columns=1, start=float(panels[0].curves[0].time[0]))
     return shown

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, SIDES, case_name, roads
-from ev_sim.figures.drawing import STROKES, TEXT_SIZE, Figure, name_axes, new_figure
+from ev_sim.figures.panels import Axes, Panel, readable
+from ev_sim.figures.sheets import Sheet
+from ev_sim.figures.strokes import HUES, PUBLISHED
 from ev_sim.measures.metric import Metric, mean_over_seeds
 from ev_sim.profiles.profile import LISTED
 from ev_sim.study.study import Case, Results
@@ -61,34 +64,36 @@ def savings(energy: Mapping[int, float]) -> dict[int, float]:
     return {method: value - energy[1] for method, value in energy.items() if method != 1}
 
 
-_OURS, _PRINTED = STROKES[0][0], STROKES[1][0]
-
-
 def efficiency_figure(
     points: Mapping[str, Mapping[int, Sequence[float]]], printed: Mapping[int, float], titles: Mapping[int, str]
-) -> Figure:
+) -> Sheet:
     """One panel for each driver: the seeds as dots, their mean and the printed value, if any, as lines, by method."""
-    figure = new_figure(3.6 * len(points), 3.0, layout="constrained")
-    panels = figure.subplots(1, len(points), sharey=True, squeeze=False)[0]
-    for axes, (driver, by_method) in zip(panels, points.items(), strict=True):
+
+    def ground(axes: Axes, by_method: Mapping[int, Sequence[float]]) -> None:
         for method, values in by_method.items():
             if values:
-                axes.plot([method] * len(values), values, ".", color=_OURS, markersize=3, label="a seed")
+                axes.plot([method] * len(values), values, ".", color=HUES[0], markersize=3, label="a seed")
                 mean = sum(values) / len(values)
-                axes.hlines(mean, method - 0.3, method + 0.3, color=_OURS, linewidth=1.6, label="mean of the seeds")
-            ends = method - 0.4, method + 0.4
+                axes.hlines(mean, method - 0.3, method + 0.3, color=HUES[0], linewidth=1.6, label="mean of the seeds")
             if method in printed:
-                line = {"color": _PRINTED, "linestyle": STROKES[1][1], "linewidth": 1.6}
-                axes.hlines(printed[method], *ends, label="printed", **line)
-        axes.set_xticks(list(by_method), [titles[method].replace(" ", "\n") for method in by_method])
+                axes.hlines(printed[method], method - 0.4, method + 0.4, label="printed", **PUBLISHED)
+        axes.set_xticks(list(by_method))
         axes.set_ylim(0.4, 1.0)
-        name_axes(
-            axes, f"driver {driver}", ylabel="wheel efficiency [1]" if axes is panels[0] else "", grid="y", pad=6.0
+        axes.grid(False, axis="x")
+
+    def methods(by_method: Mapping[int, Sequence[float]]) -> str:
+        return "method: " + ", ".join(f"{method} {titles[method]}" for method in by_method)
+
+    panels = [
+        Panel(
+            f"driver {readable(driver)}",
+            "wheel efficiency [1]",
+            ground=partial(ground, by_method=of),
+            xlabel=methods(of),
         )
-    handles, labels = panels[0].get_legend_handles_labels()
-    entries = dict(zip(labels, handles, strict=True))
-    figure.legend(entries.values(), entries, loc="outside upper center", ncols=3, fontsize=TEXT_SIZE, frameon=False)
-    return figure
+        for driver, of in points.items()
+    ]
+    return Sheet(panels, columns=3)
 
 
 ABOUT = "Dissertation, tables 3.1 to 3.6 and 5.1 to 5.6 - five methods, three drivers, many roads (--seeds N)"
@@ -245,7 +250,7 @@ def _shown(metric: Metric, factor: float = 1.0, form: str = ".3f") -> str:
     return mean if spread is None else f"{mean} ± {format(factor * spread, form)}"
 
 
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """Wheel efficiency of the methods, mean and single seeds, beside the printed one, for each driver."""
     points = {
         driver: {

@@ -6,7 +6,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_papers.dissertation.figures.urban_sheets import bench_channels
 from ev_papers.dissertation.measures import motors_and_cells
 from ev_papers.dissertation.studies import report
-from ev_sim.figures.drawing import Figure
+from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, Parameters, Runs, metric
 from ev_sim.measures.registry import bus_metrics
@@ -32,7 +32,7 @@ def _metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
     }
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Sheet]:
     """Those of the cycle; torques, speeds, temperatures and energies of the bench."""
     run = next(iter(runs.values()))
     driver = parameters.get("driver", {})

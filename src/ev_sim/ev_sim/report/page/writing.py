@@ -16,7 +16,7 @@ from jinja2 import Environment, FunctionLoader
 from ev_core.parameters.data_file import TIME
 from ev_core.parameters.declaration import entries
 from ev_core.vehicle.description import Vehicle
-from ev_sim.figures.drawing import Figure
+from ev_sim.figures.sheets import Figure
 from ev_sim.measures.handling import has_spun
 from ev_sim.measures.metric import Runs
 from ev_sim.recording.recording import Recording, atomic_file

@@ -1,0 +1,54 @@
+"""One stroke for one name: the colour and the dashes of a law or run, the same in all figures of a report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+from ev_core.methods.register import methods_of
+
+# Okabe and Ito's colours, then those of Tol's muted scheme that are unlike them: both can be distinguished with every
+# kind of colour vision. The dashes differ in grey, too, and let a curve be seen under another one.
+HUES = (
+    *("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#7F7F7F"),
+    *("#332288", "#882255", "#999933", "#117733", "#AA4499", "#CC6677", "#44AA99", "#DDCC77"),
+)
+DASHES = ("-", "--", ":", "-.")
+PUBLISHED: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.4, "zorder": 3}
+_ROLES = ("electronic_differential", "asr")  # whose laws are drawn over each other
+
+
+class Stroke(NamedTuple):
+    """Colour, and dashes as matplotlib takes them."""
+
+    colour: str
+    dashes: str
+
+
+def stroke(number: int) -> Stroke:
+    """Of the n-th name: the colours one after the other, then again with other dashes."""
+    again, hue = divmod(number, len(HUES))
+    return Stroke(HUES[hue], DASHES[(hue + again) % len(DASHES)])
+
+
+def strokes_of(labels: Iterable[str]) -> dict[str, Stroke]:
+    """A stroke for each name, which labels have with blanks or underscores.
+
+    A law has that of its place among the laws of its role, others have the first free ones. So a law looks the same in
+    every figure, unless two roles meet in one report. Names beyond the number of strokes have the same once more. What
+    has no name has the first stroke.
+    """
+    places = {name.replace("_", " "): place for role in _ROLES for place, name in enumerate(methods_of(role))}
+    names = dict.fromkeys(label.replace("_", " ") for label in labels if label)
+    found: dict[str, Stroke] = {}
+    for name in sorted(names, key=lambda name: _law(name) not in places):
+        taken, hues = set(found.values()), {each.colour for each in found.values()}
+        of_all = [stroke(places.get(_law(name), 0) + n) for n in range(len(HUES) * len(DASHES))]
+        free = [each for each in of_all if each not in taken] or of_all
+        others = [each for each in free if each.colour not in hues] or free
+        found[name] = (free if _law(name) in places else others)[0]
+    return {**{name: found[name] for name in names}, "": stroke(0)}
+
+
+def _law(name: str) -> str:
+    return name.removesuffix(" (spun)")
