@@ -145,7 +145,8 @@ def _marked(name: str, value: Any, file: Path) -> Any:
     if not isinstance(value, str):
         return value
     beside = file.parent.absolute() / value
-    is_there = _ARE_FILES.fullmatch(name) and beside.suffix and os.path.isfile(beside)
+    leads_out = ".." in beside.parts  # is refused where it is read, by the name that stands in the file
+    is_there = _ARE_FILES.fullmatch(name) and beside.suffix and not leads_out and os.path.isfile(beside)
     return TextOfFile.of(str(beside) if is_there else value, file)
 
 
