@@ -37,8 +37,9 @@ def snippets(language: str, excerpts: bool = False) -> list[tuple[str, str]]:
 
 @pytest.mark.parametrize(("file", "text"), snippets("python", excerpts=True))
 def test_an_excerpt_has_the_lines_of_its_file(file, text):
-    lines = iter((ROOT / file).read_text().splitlines())
-    assert all(line in lines for line in text.splitlines() if line)
+    """In their order; without indentation and commas at their ends, which the formatter of pages changes."""
+    bare = (line.strip().rstrip(",") for line in (ROOT / file).read_text().splitlines())
+    assert all(line.strip().rstrip(",") in bare for line in text.splitlines() if line)
 
 
 @pytest.mark.parametrize("page", dict.fromkeys(page for page, _ in snippets("python")))
