@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import secrets
@@ -33,15 +34,32 @@ def atomic_file(path: Path | str, replaces: bool = False) -> Iterator[IO[bytes]]
             try:
                 yield file
                 file.close()
-                if not replaces:
-                    path.touch(exist_ok=False)  # unlike a test for existence nobody can come in between
-                unfinished.replace(path)
+                if replaces or not _linked(unfinished, path):
+                    unfinished.replace(path)
             finally:
                 unfinished.unlink(missing_ok=True)
     except OSError as error:  # a full disk gives no file name
         if error.errno is None or error.filename is not None:
             raise
         raise OSError(error.errno, error.strerror, str(path)) from None
+
+
+_NO_LINKS = (errno.EPERM, errno.ENOTSUP, errno.ENOSYS)  # of a file system without hard links, such as FAT
+
+
+def _linked(unfinished: Path, path: Path) -> bool:
+    """Give a file its name if nothing has it, else FileExistsError; a process that is killed leaves no empty one.
+
+    False where the file system has no links: the name is then taken by an empty file, to be replaced.
+    """
+    try:
+        os.link(unfinished, path)
+    except OSError as error:
+        if error.errno not in _NO_LINKS:
+            raise OSError(error.errno, error.strerror, str(path)) from None
+        path.touch(exist_ok=False)  # unlike a test for existence nobody can come in between
+        return False
+    return True
 
 
 def free_path(path: Path) -> Path:
