@@ -1,6 +1,6 @@
 """What the dashboard costs beside a run: its share of a core, and rows that a page gets, by time and at full speed.
 
-    source scripts/setup.sh && python benchmarks/dashboard.py [--scenario NAME] [--seconds S]
+    source scripts/setup.sh && python benchmarks/dashboard.py [--scenario NAME] [--seconds S] [--way WAY ...]
 
 The process of the dashboard is measured with one page open, from two seconds after the first row on, or from as
 long as is measured where that is less.
@@ -21,6 +21,7 @@ from pathlib import Path
 
 from tornado.websocket import websocket_connect
 
+WAYS = {"real_time": "1", "full_speed": "0"}  # and the real-time factor
 _TICKS = os.sysconf("SC_CLK_TCK")
 _START = 2.0  # s at most after the first row: libraries are loaded, parameters are read
 
@@ -30,11 +31,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenario", default="double_lane_change")
     parser.add_argument("--seconds", type=float, default=5.0, help="of wall time that each way is measured")
+    parser.add_argument("--way", nargs="+", choices=WAYS, help="by default both")
     given = parser.parse_args()
-    for way, factor in (("real time", "1"), ("full speed", "0")):
+    for way in given.way or WAYS:
+        factor = WAYS[way]
         share, rows, speed = asyncio.run(measured(given.scenario, factor, given.seconds))
         cost = f"{100 * share:.1f} % of a core, {rows:.1f} rows/s"
-        print(f"{given.scenario}, {way}: {cost}, run at {speed:.2f} x real time", flush=True)
+        print(f"{given.scenario}, {way.replace('_', ' ')}: {cost}, run at {speed:.2f} x real time", flush=True)
 
 
 async def measured(scenario: str, factor: str, seconds: float) -> tuple[float, float, float]:

@@ -15,17 +15,17 @@ BENCHMARKS = {
     "can_faults": ("--seeds", "1"),
     "can_latency": ("--seconds", "0.1"),
     "command_timeout": ("--trials", "1"),
-    "dashboard": ("--seconds", "0.1"),
+    "dashboard": ("--seconds", "0.1", "--way", "real_time"),
     "elementary": ("--repeats", "1", "--only", "sin"),
     "lane_change": ("--cars", "audi_a2", "--speeds", "80", "--previews", "2"),
     "lockstep": (
         *("--steps", "20", "--repeats", "1", "--only"),
-        *("raw_pattern_of_processes", "raw_ring_in_one_process", "graph_in_one_process", "offline"),
+        *("raw_pattern_of_processes", "raw_ring_in_one_process", "offline"),
     ),
     "plant": ("--repeats", "1"),
     "relays": ("--help",),  # started by lockstep
     "soak": ("--steps", "40", "--one-process-steps", "0"),
-    "sums": ("--seconds", "0.1", "--rounds", "1"),
+    "sums": ("--seconds", "0.1", "--rounds", "1", "--in-process"),
     "strangers": ("--rates", "0", "--seconds", "0.1"),
     "urban_cycle": ("--repeats", "1", "--duration", "1"),
 }
