@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import pytest
 from ros_graph import NAMESPACE, NODES, PATIENCE, Probe, ros_domain
@@ -96,12 +96,12 @@ def test_what_goes_wrong_once_more_at_the_end_is_one_line_too(monkeypatch):
     monkeypatch.setattr(run_role_module, "spin", fail)
     monkeypatch.setattr(run_role_module, "turn_deaf", lambda: None)
     with pytest.raises(SystemExit, match=r"^recorder: \[Errno 27\] File too large$"):
-        run_role_module.run_node("recorder", lambda: SimpleNamespace(close=fail, done=False))
+        run_role_module.run_node("recorder", lambda: MagicMock(close=fail, done=False))
 
 
 STOPPED_AT_THE_END = {
     "a node": """
-from types import SimpleNamespace
+from unittest.mock import MagicMock
 from ev_core import run_role
 
 def shut_down(and_then=run_role.rclpy.try_shutdown):
@@ -110,7 +110,7 @@ def shut_down(and_then=run_role.rclpy.try_shutdown):
 
 run_role.spin = lambda *_: stop()
 run_role.rclpy.try_shutdown = shut_down
-run_role.run_node("driver", lambda: SimpleNamespace(close=lambda: None, done=False, subscriptions=()))
+run_role.run_node("driver", lambda: MagicMock(done=False, subscriptions=()))
 """,
     "the runner": """
 from ev_sim.commands import ev_stack

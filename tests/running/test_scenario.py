@@ -411,9 +411,9 @@ def test_a_scenario_may_borrow_a_report_and_bring_metrics(scenario):
     assert "unknown report 'lane_change'; did you mean double_lane_change?" in refused(
         scenario(text.replace("double_lane", "lane"))
     )
-    assert "unknown reduction 'lost'; did you mean last? known: " in refused(scenario(text.replace("= last", "= lost")))
+    assert "unknown function 'lost'; did you mean last?" in refused(scenario(text.replace("= last", "= lost")))
     assert "unknown channel 'pose.q'; did you mean pose." in refused(scenario(text.replace("pose.x", "pose.q")))
-    assert "allowed is NAME = REDUCTION(CHANNEL)" in refused(scenario(text.replace("end =", "")))
+    assert "or NAME [UNIT] = EXPRESSION, such as" in refused(scenario(text.replace("end =", "")))
 
 
 @pytest.mark.parametrize("name", scenario_names())

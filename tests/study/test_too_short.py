@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -13,12 +14,13 @@ from ev_sim.study.run_study import _summed_up, arguments
 from ev_sim.study.study import drive_case, study_named, study_names
 
 pytestmark = pytest.mark.slow
+NEEDED = {"energy": (str(Path(__file__).with_name("electric_cars.csv")),), "sweep": ("--seeds", "2")}
 
 
 @pytest.mark.parametrize("name", study_names())
 def test_whatever_is_too_short_is_told_in_one_line(name):
     """All studies, shorter than the command line lets them be: each case has a row or says why it has none."""
-    study, given = study_named(name), arguments(name, ("--seeds", "2") if name == "sweep" else ())
+    study, given = study_named(name), arguments(name, NEEDED.get(name, ()))
     cases = study.cases(given)
     result = drive_case(replace(cases[0], duration=0.05), study.measure)
     assert "\n" not in result.refused and bool(result.refused) != bool(result.measured or name in CYCLES)
