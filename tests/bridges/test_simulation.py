@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from inspect import isawaitable, signature
 from types import SimpleNamespace
 
@@ -65,6 +66,11 @@ class Simulator:
             return holds()
 
         self.graph.run(looked)
+
+    def settle(self) -> None:
+        """Half a second, in which everything that has been reported arrives."""
+        end = time.monotonic() + 0.5
+        self.until(lambda: time.monotonic() >= end)
 
     def call(self, name: str, **request):
         self.node.calls[name] = KINDS[SERVICE.format(_KINDS[name])].Request(**request)
@@ -147,6 +153,7 @@ def test_steps_are_taken_when_it_answers(simulator):
     assert simulator.steps(9, cancelled_behind=2) == ("canceled", OK, [1, 2])
     assert simulator.graph.time == pytest.approx(before + 0.18)
     assert simulator.state() == State.STATE_PAUSED
+    simulator.settle()  # a report of the last step that came behind the answer to `resume` would say paused
     assert simulator.set(State.STATE_PLAYING) == OK
     assert simulator.call("step_simulation").result.result == Result.RESULT_OPERATION_FAILED
     assert simulator.steps(2) == ("abort", Result.RESULT_OPERATION_FAILED, [])
