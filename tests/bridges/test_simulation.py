@@ -68,8 +68,8 @@ class Simulator:
         self.graph.run(looked)
 
     def settle(self) -> None:
-        """Half a second, in which everything that has been reported arrives."""
-        end = time.monotonic() + 0.5
+        """Two seconds, in which everything that has been reported arrives: diagnostics come once a second."""
+        end = time.monotonic() + 2.0
         self.until(lambda: time.monotonic() >= end)
 
     def call(self, name: str, **request):
