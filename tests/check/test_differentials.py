@@ -57,6 +57,10 @@ CHOICES: dict[str, tuple[dict, ...]] = {
     "steer_by_wire": ({"disturbance_rate": 0.0}, {"max_torque_difference": 5.0, "damping_ratio": 0.3}),
     "steering_correction": ({"axle": "rear", **ALL_DRIVEN}, REAR_DRIVEN, {"gain": 10.0, "largest_correction": 0.2}),
     "wheel_speed": ({"mean": "speed"}, {"proportional_gain": 0.0, "largest_correction": 1.0}),
+    "yaw_moment": (
+        {"reference": "sideslip_limit", "controller": "super_twisting", "allocation": "least_squares", **ALL_DRIVEN},
+        {"reference": "neutral", "controller": "lqr", "allocation": "load", "estimation": "estimated", **REAR_DRIVEN},
+    ),
 }
 
 

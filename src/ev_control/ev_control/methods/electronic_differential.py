@@ -6,4 +6,5 @@ from ev_control.electronic_differential import (  # noqa: F401
     rear_targets,
     steering_by_drives,
     torque_shares,
+    yaw_moment,
 )
