@@ -61,7 +61,7 @@ FASTEST = 1e3  # [m/s]; beyond it no number is the speed of a road vehicle
 
 @compilable
 def is_known(
-    source: float,
+    source: str,
     column: SteeringColumnState,
     wheels: WheelStates,
     imu: InertialMeasurement,
@@ -87,7 +87,7 @@ def known_motion(
     car: Car,
     s: KnownMotionState,
     period: float,
-    source: float,
+    source: str,
     driver: DriverCommand,
     column: SteeringColumnState,
     wheels: WheelStates,

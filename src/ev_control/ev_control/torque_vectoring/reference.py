@@ -69,7 +69,7 @@ def wanted_motion(
     car: Car,
     s: ReferenceState,
     period: float,
-    kind: float,
+    kind: str,
     speed: float,
     road_wheel_angle: float,
     grip: float,

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.law import Car, compilable, copysign, parameter
+from ev_core.law import Vehicle, compilable, copysign, parameter
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class SingleTrack(NamedTuple):
 
 
 @compilable
-def single_track(p: SingleTrackParameters, car: Car, speed: float) -> SingleTrack:
+def single_track(p: SingleTrackParameters, car: Vehicle, speed: float) -> SingleTrack:
     """The model at a speed [m/s], which counts as at least `slowest`, ahead or in reverse.
 
     Tyres push against their way aside wherever they roll: F_1 = -C_1 ((v + a r)/|u| - sgn(u) delta) in front,
@@ -57,7 +57,7 @@ def steady_lateral_velocity(model: SingleTrack, road_wheel_angle: float, yaw_rat
 
 
 @compilable
-def steady_moment(car: Car, model: SingleTrack, road_wheel_angle: float, yaw_rate: float) -> float:
+def steady_moment(car: Vehicle, model: SingleTrack, road_wheel_angle: float, yaw_rate: float) -> float:
     """The yaw moment [N m] that holds the car at this yaw rate: M_z = -J (a_21 v* + a_22 r + b_2 delta)."""
     lateral = steady_lateral_velocity(model, road_wheel_angle, yaw_rate)
     return -car.yaw_inertia * (model.a_21 * lateral + model.a_22 * yaw_rate + model.b_2 * road_wheel_angle)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import pytest
 from differentials import DISSERTATION, FRONT, GRAVITY, REAR, Differential, Motion, on
 
-from ev_control.electronic_differential.yaw_moment import ALLOCATIONS, CONTROLLERS
+from ev_control.electronic_differential.direct_yaw_moment import ALLOCATIONS, CONTROLLERS
 from ev_control.torque_vectoring.pi import PIParameters
 from ev_msgs_py.contract.signals import SteeringColumnState
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
@@ -17,7 +17,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.batch import batch
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
-LAW = "yaw_moment"
+LAW = "direct_yaw_moment"
 CAR = on(DISSERTATION, WHEEL_NAMES)
 L, B = CAR.wheelbase, CAR.centre_of_mass_to_rear_axle
 K = 0.002  # s^2/m, of the default reference
@@ -220,7 +220,7 @@ def test_the_moment_comes_in_between_slowest_and_twice_of_it():
 
 @pytest.mark.parametrize("layout", [("front_left",), ("front_left", "rear_left"), ("front_left", "rear_right")])
 def test_cars_without_two_motors_on_an_axle_are_refused(layout):
-    with pytest.raises(ParameterError, match="yaw_moment needs a motor for each wheel of an axle"):
+    with pytest.raises(ParameterError, match="direct_yaw_moment needs a motor for each wheel of an axle"):
         made(on(DISSERTATION, layout))
 
 

@@ -53,7 +53,7 @@ BY_AXLE, BY_LOAD, LEAST_SQUARES = range(len(ALLOCATIONS))
 
 
 @dataclass(frozen=True, slots=True)
-class YawMomentParameters:
+class DirectYawMomentParameters:
     """Which parts are combined, and the parameters of each."""
 
     reference: str = parameter(
@@ -94,7 +94,7 @@ class YawMomentParameters:
 
 
 @dataclass(slots=True)
-class YawMomentState:
+class DirectYawMomentState:
     """What lasts between steps."""
 
     integral: MomentIntegral = part(MomentIntegral)
@@ -102,25 +102,25 @@ class YawMomentState:
     known: KnownMotionState = part(KnownMotionState)
 
 
-def prepare(parameters: YawMomentParameters, vehicle: Vehicle, period: float) -> Gains:
+def prepare(parameters: DirectYawMomentParameters, vehicle: Vehicle, period: float) -> Gains:
     """The gains of the regulator by speed."""
     return lqr_gains(parameters.lqr, parameters.single_track, vehicle, period)
 
 
 @differential(
-    "yaw_moment",
-    YawMomentParameters,
-    state=YawMomentState,
-    start=lambda p: YawMomentState(known=KnownMotionState(unknown_road(p.known.friction))),
+    "direct_yaw_moment",
+    DirectYawMomentParameters,
+    state=DirectYawMomentState,
+    start=lambda p: DirectYawMomentState(known=KnownMotionState(unknown_road(p.known.friction))),
     prepare=prepare,
     needs=(an_axle_with_motors,),
 )
 @compilable
-def yaw_moment(
-    p: YawMomentParameters,
+def direct_yaw_moment(
+    p: DirectYawMomentParameters,
     car: Car,
     c: Gains,
-    s: YawMomentState,
+    s: DirectYawMomentState,
     period: float,
     driver: DriverCommand,
     column: SteeringColumnState,
@@ -159,10 +159,10 @@ def faded_in(p: SingleTrackParameters, speed: float) -> float:
 
 @compilable
 def wanted_moment(
-    p: YawMomentParameters,
+    p: DirectYawMomentParameters,
     car: Car,
     c: Gains,
-    s: YawMomentState,
+    s: DirectYawMomentState,
     period: float,
     motion: KnownMotion,
     road_wheel_angle: float,
@@ -183,10 +183,10 @@ def wanted_moment(
 
 @compilable
 def feedback(
-    p: YawMomentParameters,
+    p: DirectYawMomentParameters,
     car: Car,
     c: Gains,
-    s: YawMomentState,
+    s: DirectYawMomentState,
     period: float,
     speed: float,
     lateral_error: float,
@@ -204,7 +204,7 @@ def feedback(
 
 @compilable
 def torques(
-    p: YawMomentParameters,
+    p: DirectYawMomentParameters,
     car: Car,
     motion: KnownMotion,
     wheels: WheelStates,
