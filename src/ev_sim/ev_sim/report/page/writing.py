@@ -182,8 +182,8 @@ def by_result(summaries: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]
     rows = []
     for name in names:
         found = [summary["metrics"].get(name) for summary in summaries.values()]
-        told = next(metric for metric in found if metric)
-        rows.append({"name": name, "unit": told["unit"], "found": found, "told": told})
+        first = next(metric for metric in found if metric)
+        rows.append({"name": name, "unit": first["unit"], "found": found, "first": first})
     return rows
 
 
