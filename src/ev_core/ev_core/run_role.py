@@ -72,7 +72,7 @@ def node_maker(role: str) -> Callable[..., Any]:
 
 
 @contextmanager
-def told(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
+def given_parameters(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
     """The parameters that a node of this name is given; who makes a role's node learns from them which one.
 
     The node must be made within the block. A context whose last node goes leaves the graph, and when somebody leaves
@@ -167,7 +167,7 @@ def one_line(error: Exception) -> str:
     """
     if isinstance(error, rclpy_implementation.UnknownROSArgsError):
         return f"unknown ROS arguments {error}"
-    said = error.__context__ or error if isinstance(error, UnsupportedTypeSupport) else error
-    text = " ".join(re.sub(r", at /\S+:\d+", "", str(said)).split())
+    cause = error.__context__ or error if isinstance(error, UnsupportedTypeSupport) else error
+    text = " ".join(re.sub(r", at /\S+:\d+", "", str(cause)).split())
     trouble = too_late() if isinstance(error, rclpy_implementation.RCLError) else None
     return shown(text if trouble is None else f"{text}; {trouble}", LINE)

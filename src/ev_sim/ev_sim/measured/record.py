@@ -140,13 +140,13 @@ def _column(
 ) -> tuple[np.ndarray, ColumnParameters]:
     """A column in SI and REP-103, and what is said of it."""
     try:
-        said = build(ColumnParameters, {"column": about} if isinstance(about, str) else about)
-        if said.column not in columns:
-            raise unknown_name(f"column of {path}", said.column, columns)
+        declared = build(ColumnParameters, {"column": about} if isinstance(about, str) else about)
+        if declared.column not in columns:
+            raise unknown_name(f"column of {path}", declared.column, columns)
     except (ParameterError, AttributeError, TypeError) as error:
         raise ParameterError(f"{mapping}: {name}: {error}") from None
-    turned = -1.0 if said.frame == "sae" and name in _FLIPPED else 1.0
-    return columns[said.column] * (UNITS[said.unit] * turned * said.sign), said
+    turned = -1.0 if declared.frame == "sae" and name in _FLIPPED else 1.0
+    return columns[declared.column] * (UNITS[declared.unit] * turned * declared.sign), declared
 
 
 def measured(
@@ -170,7 +170,7 @@ def measured(
             raise ParameterError(f"{source}: {name} has less than two finite numbers")
         channels[name] = np.interp(instants, time[finite] - time[0], values[finite])
         valid &= np.interp(instants, time - time[0], finite) == 1.0
-    _move_to_centre(channels, {name: said for name, (_, said) in columns.items()}, period)
+    _move_to_centre(channels, {name: declared for name, (_, declared) in columns.items()}, period)
     for name in (ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE):
         if name in channels:
             limit = mask.steering_rate * (16.0 if name == STEERING_WHEEL_ANGLE else 1.0)
@@ -181,9 +181,9 @@ def measured(
     return MeasuredRecord(source, digest, float(time[0]), period, channels, valid, notes)
 
 
-def _move_to_centre(channels: dict[str, np.ndarray], said: Mapping[str, ColumnParameters], period: float) -> None:
+def _move_to_centre(channels: dict[str, np.ndarray], declared: Mapping[str, ColumnParameters], period: float) -> None:
     """Velocities and accelerations of sensors beside the centre of mass, of a rigid body that turns in the plane."""
-    moved = [n for n, of in said.items() if of.x or of.y]
+    moved = [n for n, of in declared.items() if of.x or of.y]
     if not moved:
         return
     if YAW_RATE not in channels:
@@ -191,7 +191,7 @@ def _move_to_centre(channels: dict[str, np.ndarray], said: Mapping[str, ColumnPa
     yaw_rate = channels[YAW_RATE]
     yaw = np.gradient(yaw_rate, period)
     for name in moved:
-        x, y = said[name].x, said[name].y
+        x, y = declared[name].x, declared[name].y
         channels[name] = channels[name] + {
             LONGITUDINAL: y * yaw_rate,
             LATERAL: -x * yaw_rate,
