@@ -43,7 +43,7 @@ setup(
     license=PACKAGE.findtext("license"),
     packages=find_packages(exclude=["test"]),
     package_data={
-        "ev_sim": ["py.typed", *CONFIG],
+        "ev_sim": ["py.typed", "__init__.pyi", *CONFIG],
         "ev_sim.export": ["templates/*"],
         "ev_sim.figures": ["*.mplstyle"],
         "ev_sim.report.page": ["templates/*", "vendor/*"],
