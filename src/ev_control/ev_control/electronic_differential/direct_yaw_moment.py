@@ -15,7 +15,7 @@ from ev_control.torque_vectoring.known_motion import (
     is_known,
     known_motion,
 )
-from ev_control.torque_vectoring.lqr import Gains, LQRParameters, lqr_gains, lqr_moment
+from ev_control.torque_vectoring.lqr import NO_GAINS, Gains, LQRParameters, lqr_gains, lqr_moment
 from ev_control.torque_vectoring.pi import PIParameters, pi_moment
 from ev_control.torque_vectoring.reference import (
     REFERENCES,
@@ -103,7 +103,9 @@ class DirectYawMomentState:
 
 
 def prepare(parameters: DirectYawMomentParameters, vehicle: Vehicle, period: float) -> Gains:
-    """The gains of the regulator by speed."""
+    """The gains of the regulator by speed, which no other controller asks for."""
+    if parameters.controller != "lqr":
+        return NO_GAINS
     return lqr_gains(parameters.lqr, parameters.single_track, vehicle, period)
 
 

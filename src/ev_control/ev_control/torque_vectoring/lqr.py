@@ -5,6 +5,7 @@ Esmailzadeh, Goodarzi & Vossoughi (2003), Optimal yaw moment control law for imp
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 from ev_control.torque_vectoring.single_track import SingleTrackParameters, single_track
@@ -26,7 +27,7 @@ class LQRParameters:
 
 SPEED_STEP = 2.5  # [m/s]
 SPEEDS = 32  # of the schedule, each way
-_DOUBLINGS = 40  # of the horizon: 2^40 periods are for ever
+_DOUBLINGS = 14  # of the horizon: 2^14 periods are for ever
 _Matrix = tuple[float, float, float, float]  # row by row
 
 
@@ -37,6 +38,7 @@ class Gains(NamedTuple):
     yaw: tuple[float, ...]  # [N m s/rad]
 
 
+@lru_cache(64)
 def lqr_gains(p: LQRParameters, tyres: SingleTrackParameters, vehicle: Vehicle, period: float) -> Gains:
     """The gains that make the sum of the weighed squares least on an endless horizon, by implicit Euler steps."""
     signed = [sign * SPEED_STEP * n for sign in (1.0, -1.0) for n in range(SPEEDS)]
@@ -91,6 +93,9 @@ def _transposed(x: _Matrix) -> _Matrix:
 def _inverse(x: _Matrix) -> _Matrix:
     determinant = x[0] * x[3] - x[1] * x[2]
     return x[3] / determinant, -x[1] / determinant, -x[2] / determinant, x[0] / determinant
+
+
+NO_GAINS = Gains((0.0,) * (2 * SPEEDS), (0.0,) * (2 * SPEEDS))
 
 
 @compilable
