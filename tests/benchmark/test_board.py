@@ -98,11 +98,22 @@ def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
     ("old", "new", "line"),
     [
         ("draws: 10", "draws: 0", "draws is 0, allowed is 1 to 100000"),
-        ("draws: 10", "draws: many", "draws of a board is 'many', allowed is a int"),
+        ("draws: 10", "draws: many", "draws of a board is 'many', allowed is a whole number"),
         ("seed: 1", "sed: 1", "unknown entry of a board 'sed'"),
         ("reference: equal_torque", "reference: none", "unknown reference 'none'"),
         ("roads: [dry, wet, snow]", "roads: [mud]", "unknown road of step_steer 'mud'"),
         ("energy: [battery_energy]", "energy: [distance]", "metric distance of step_steer is better neither"),
+        (
+            "dry: [dry_asphalt, dry_asphalt]",
+            "dry: [dry_asphalt]",
+            "road dry is ['dry_asphalt'], allowed is a list of",
+        ),
+        ("wet: [wet_asphalt_2,", "wet: [mud,", "unknown surface of wet 'mud'"),
+        (
+            "handling: [yaw_rate_error,",
+            "handling: [1,",
+            "handling of manoeuvre step_steer is [1, 'peak_sideslip'], allowed is a list, each element a text",
+        ),
         ("peak_slip: 0.02", "peak_slip: 0", "scales lacks a number above 0 for peak_slip of launch"),
         ("factor: [1.0, 1.2]", "factor: [1.2, 1.0]", "variation of *.vehicle.mass has the bounds [1.2, 1.0]"),
         ("{method: load_proportional}", "{}", "law load_proportional lacks method"),

@@ -1,4 +1,4 @@
-"""The board of docs/benchmark.md: scores of all laws, and the best law of each cell with the command that repeats it."""
+"""The board of docs/benchmark.md: scores of all laws, and the best law of each cell with how to repeat it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def board_tables(result: BoardResult) -> dict[str, str]:
     """The generated parts of the page, by name."""
     driven = f"{len(result.cells)} cells, {result.board.draws} draws, hash of all runs `{result.hash}`."
     laws = [[code(row[0]), *row[1:]] for row in result.rows()]
-    return {"board": f"{table(COLUMNS, laws)}\n\n{driven}", "cells": cell_table(result)}
+    return {"board": f"{table(COLUMNS, laws)}\n{driven}\n", "cells": cell_table(result)}
 
 
 def cell_table(result: BoardResult) -> str:

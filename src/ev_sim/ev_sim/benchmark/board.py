@@ -10,13 +10,15 @@ from typing import Any, TypeVar
 import yaml
 
 from ev_core.parameters.data_file import TEXT, read_data
-from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
 from ev_sim.measures.own_metrics import named_metrics
 from ev_sim.measures.registry import METRICS
 from ev_sim.scenarios.about import configured_file
 from ev_sim.scenarios.parameter_file import read_yaml
+from ev_sim.surfaces import SURFACES
 
 COSTS = ("handling", "energy")
+SIDES = ("left", "right")
 FRICTION, TOLD_FRICTION = "friction", "told_friction"  # variations that are no parameters
 T = TypeVar("T")
 
@@ -129,7 +131,7 @@ def read_board(name: str) -> Board:
 
 def _mapping(what: str, content: Any) -> Mapping[str, Any]:
     if not isinstance(content, Mapping):
-        raise ParameterError(f"{what} is {quoted(str(content))}, allowed is a mapping")
+        raise ParameterError(f"{what} is {_shown(content)}, allowed is a mapping")
     return content
 
 
@@ -142,12 +144,33 @@ def _record(of: type[T], what: str, content: Any) -> T:
     for name, each in known.items():
         if name not in stated and each.default is MISSING and each.default_factory is MISSING:
             raise ParameterError(f"{what} lacks {name}")
-    kinds: dict[str, Any] = {"int": int, "float": (int, float), "str": str, "list": list, "Mapping": Mapping}
     for name, value in stated.items():
-        kind = str(known[name].type).partition("[")[0]
-        if isinstance(value, bool) or not isinstance(value, kinds[kind]):
-            raise ParameterError(f"{name} of {what} is {quoted(str(value))}, allowed is a {kind.lower()}")
+        kind, _, inner = str(known[name].type).removesuffix("]").partition("[")
+        elements = value if kind == "list" and isinstance(value, list) else ()
+        if not _is(value, kind) or not all(_is(each, inner) for each in elements):
+            allowed = _KINDS[kind][0] + (f", each element {_KINDS[inner][0]}" if kind == "list" else "")
+            raise ParameterError(f"{name} of {what} is {_shown(value)}, allowed is {allowed}")
     return of(**stated)
+
+
+_KINDS: dict[str, tuple[str, tuple[type, ...]]] = {
+    "int": ("a whole number", (int,)),
+    "float": ("a number", (int, float)),
+    "str": ("a text", (str,)),
+    "list": ("a list", (list,)),
+    "Mapping": ("a mapping", (Mapping,)),
+    "Manoeuvre": ("a mapping", (Manoeuvre,)),
+    "Variation": ("a mapping", (Variation,)),
+}
+
+
+def _shown(value: Any) -> str:
+    return quoted(value) if isinstance(value, str) else shown(str(value))
+
+
+def _is(value: Any, kind: str) -> bool:
+    """Whether a value is of a kind; a switch is no number."""
+    return isinstance(value, _KINDS[kind][1]) and not isinstance(value, bool)
 
 
 def _refuse(board: Board) -> None:
@@ -156,12 +179,17 @@ def _refuse(board: Board) -> None:
         raise ParameterError(f"draws is {board.draws}, allowed is 1 to 100000")
     _known("reference", [board.reference], board.laws)
     _known("layout", [car.partition(":")[2] for car in board.cars], board.layouts)
+    for name, surfaces in board.roads.items():
+        if not isinstance(surfaces, list) or len(surfaces) != len(SIDES):
+            raise ParameterError(f"road {name} is {_shown(surfaces)}, allowed is a list of a surface left and right")
+        _known(f"surface of {name}", surfaces, SURFACES)
     for name, manoeuvre in board.manoeuvres.items():
         _known(f"road of {name}", manoeuvre.roads, board.roads)
         for metric in named_metrics(manoeuvre.metrics):
             if metric in METRICS and not METRICS[metric].better:
                 raise ParameterError(f"metric {metric} of {name} is better neither low nor high")
-            if not board.scales.get(metric, 1.0 if metric == "peak_sideslip" else 0.0) > 0.0:
+            scale = board.scales.get(metric)
+            if not (_is(scale, "float") and scale > 0.0):
                 raise ParameterError(f"scales lacks a number above 0 for {metric} of {name}")
     for variation in board.variations:
         bounds = [*variation.factor, *variation.value, *variation.count]

@@ -16,13 +16,12 @@ from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.batch import EVERY_ROLE, batch
-from ev_sim.benchmark.board import FRICTION, TOLD_FRICTION, Board, Cell
+from ev_sim.benchmark.board import FRICTION, SIDES, TOLD_FRICTION, Board, Cell
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.surfaces import SURFACES
 
 ROLE = "electronic_differential"
-SIDES = ("left", "right")
 BELIEF = ("known.error_factor", "error_factor")  # how laws call the friction that they believe in over the true one
 TYRES = ("single_track", "known.observer", "observer")  # groups in which laws keep what they believe of the tyres
 _ANYTHING = 2**31
@@ -77,9 +76,6 @@ def values_of(board: Board, cell: Cell) -> dict[str, Any]:
 
 def _surfaces(board: Board, cell: Cell, factor: float) -> dict[str, list[float]]:
     """Both sides as surfaces of one's own with a factor on the friction, at the same slips."""
-    for name in board.roads[cell.road]:
-        if name not in SURFACES:
-            raise ParameterError(f"surface {name} of road {cell.road} is not known: {', '.join(SURFACES)}")
     sides = [SURFACES[name] for name in board.roads[cell.road]]
     return {
         "own_c1": [factor * side.c1 for side in sides],
