@@ -123,7 +123,8 @@ class Tyre:
         low=-50.0,
         high=1000.0,
         about="coefficients on dry asphalt, in the order of the curve (rational: peak, peak slip; two_exponential: "
-        "mu_s, S0, S1; magic_formula: B, C, D, E; linear: slope; dry_friction: mu_A, v_A, mu_S, v_S [m/s]); burckhardt takes those of the surface",
+        "mu_s, S0, S1; magic_formula: B, C, D, E; linear: slope; dry_friction: mu_A, v_A, "
+        "mu_S, v_S [m/s]); burckhardt takes those of the surface",
     )
     combined: str = setting(
         "slip_vector",

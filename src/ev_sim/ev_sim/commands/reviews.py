@@ -42,7 +42,6 @@ from ev_sim.verdicts.panels_page import write_page as write_panels
 from ev_sim.verdicts.sources import published, sources
 from ev_sim.verdicts.verdict import FILES, Verdict, counts, plain_table, verdict, wanted, write
 
-
 MEASURED = "measured"  # among the sources of `verdicts`, with --data
 
 
@@ -64,7 +63,7 @@ def run_verdicts(argv: Sequence[str]) -> None:
         "--data",
         type=Path,
         metavar="DIR",
-        help=f"folder of measured data that the car is held against as well, --only {MEASURED} alone (docs/measured.md)",
+        help=f"folder of measured data to hold the car against as well; --only {MEASURED} alone (docs/measured.md)",
     )
     given = parser.parse_args(argv)
     start = time.monotonic()

@@ -96,7 +96,7 @@ class Coefficients(NamedTuple):
 
 @inlined
 def friction(curve: float, slip: float, c: Coefficients) -> float:
-    """Friction use [1] at a slip [1], or slip speed [m/s], of at least 0, of the curve with this place in `FRICTION_CURVES`."""
+    """Friction use [1] at a slip [1], or slip speed [m/s], from 0 on, of the curve at this place of FRICTION_CURVES."""
     if curve == BURCKHARDT:
         return burckhardt(slip, c.c0, c.c1, c.c2, c.c3)
     if curve == RATIONAL:

@@ -1,4 +1,4 @@
-"""Comparisons with measured data: each declared with its limit and the reason, driven from a folder of the user's files.
+"""Comparisons with measured data: each declared with limit and reason, driven from a folder of the user's files.
 
 `config/measured/comparisons.csv` has a line for each: id, the file of data, what is compared, unit, largest number that
 holds, why that, and a command that gives it.

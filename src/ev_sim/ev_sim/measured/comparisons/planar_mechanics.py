@@ -18,7 +18,7 @@ from scipy.interpolate import CubicSpline
 from ev_core.parameters.data_file import find_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measured.open_loop import graph
-from ev_sim.measured.record import read_columns
+from ev_sim.measured.records.tables import read_columns
 from ev_sim.measures import motion
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides
@@ -80,7 +80,7 @@ SINGLE_TRACK = Car(
 
 
 def planar_mechanics(folder: Path) -> dict[str, float]:
-    """By id how far ours is from the results in `planar_mechanics` of a folder, in per cent; ParameterError if a file is not there."""
+    """By id how far ours is from the results in planar_mechanics, in per cent; ParameterError if one is missing."""
     folder = folder / "planar_mechanics"
     two, one = (_reference(folder, name) for name in ("TwoTrackWithDifferentialGear", "SingleTrackWithEngine"))
     heading = one["bodyFront.phi"] - one["revolute.phi"]

@@ -1,4 +1,4 @@
-"""A record of a car on a track, a tyre on its rig and the energy of a list of cars, in the numbers that are compared."""
+"""A record of a car on a track, a tyre on its rig and the energy of a list of cars, in numbers that are compared."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ import numpy as np
 from ev_core.parameters.data_file import find_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measured.open_loop import OpenLoop, graph, windows_of
-from ev_sim.measured.record import SIDESLIP, YAW_RATE, read_record
+from ev_sim.measured.records.mapping import read_record
+from ev_sim.measured.records.record import SIDESLIP, YAW_RATE
 from ev_sim.measured.rig import read_rig
 from ev_sim.measured.tyre_fit import KINDS, fit_tyre
 from ev_sim.measured.validation import Validation, signals_to_show
