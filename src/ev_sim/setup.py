@@ -43,7 +43,7 @@ setup(
     license=PACKAGE.findtext("license"),
     packages=find_packages(exclude=["test"]),
     package_data={
-        "ev_sim": ["py.typed", *CONFIG],
+        "ev_sim": ["py.typed", "__init__.pyi", *CONFIG],
         "ev_sim.export": ["templates/*"],
         "ev_sim.figures": ["*.mplstyle"],
         "ev_sim.report.page": ["templates/*", "vendor/*"],
@@ -69,7 +69,6 @@ setup(
         "can": [f"ev_core[can]=={VERSION}"],
         "cluster": ["dask", "distributed"],
         "dashboard": ["tornado>=6.4"],
-        "fmu": ["pythonfmu==0.7.*"],
         "frame": ["pandas"],
         "gymnasium": ["gymnasium>=1.0"],
         "parquet": ["pyarrow"],

@@ -1,5 +1,6 @@
 """Contract, laws and interface keep their types, by the rules in pyproject.toml, and nothing is ignored wholesale."""
 
+import ast
 import re
 import subprocess
 import sys
@@ -7,6 +8,8 @@ import tomllib
 from pathlib import Path
 
 import pytest
+
+import ev_sim
 
 ROOT = Path(__file__).parents[2]
 RULES = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["mypy"]
@@ -50,6 +53,15 @@ def test_a_program_that_calls_the_packages_gets_their_types(tmp_path: Path):
         'error: Argument "seed" to "run" has incompatible type "str"; expected "int | None"  [arg-type]',
         'error: Unexpected keyword argument "veihcle" for "Simulation"; did you mean "vehicle"?  [call-arg]',
     ]
+
+
+def test_the_types_of_the_interface_are_those_of_what_is_imported():
+    """The stub beside `__init__.py` names the same modules, so a checker sees what a program gets."""
+    stub = ast.parse(Path(ev_sim.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
+    imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
+    assert {each.name: node.module for node in imports for each in node.names} == ev_sim._MODULES
+    (listed,) = (node.value for node in stub.body if isinstance(node, ast.Assign))
+    assert ast.literal_eval(listed) == ev_sim.__all__
 
 
 def test_every_ignored_line_says_which_error_and_why():

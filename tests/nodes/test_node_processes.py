@@ -1,6 +1,5 @@
 """Nodes as executables: Ctrl-C ends them in peace, and what is wrong is one line and exit status 1."""
 
-import errno
 import os
 import signal
 import subprocess
@@ -8,12 +7,10 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from unittest.mock import MagicMock
 
 import pytest
 from ros_graph import NAMESPACE, NODES, PATIENCE, Probe, ros_domain
 
-from ev_core import run_role as run_role_module
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.running.node_process import command
@@ -86,31 +83,50 @@ def test_every_node_ends_in_peace_when_it_is_told_to(kind, tmp_path):
     assert (tmp_path / "signals.npz").exists()
 
 
-def test_what_goes_wrong_once_more_at_the_end_is_one_line_too(monkeypatch):
+FAILS_AT_THE_END = """
+import errno
+import os
+import rclpy
+from ev_core import run_role
+
+def fail(*_):
+    raise OSError(errno.EFBIG, os.strerror(errno.EFBIG))
+
+def make():
+    node = rclpy.create_node("recorder")
+    node.close, node.done = fail, False
+    return node
+
+run_role.spin = fail
+run_role.run_node("recorder", make)
+"""
+
+
+def test_what_goes_wrong_once_more_at_the_end_is_one_line_too():
     """A recorder that may write no further fails when it is stepped, and again when it closes its bag."""
-
-    def fail(*_):
-        raise OSError(errno.EFBIG, os.strerror(errno.EFBIG))
-
-    monkeypatch.setattr(sys, "argv", ["recorder"])
-    monkeypatch.setattr(run_role_module, "spin", fail)
-    monkeypatch.setattr(run_role_module, "turn_deaf", lambda: None)
-    with pytest.raises(SystemExit, match=r"^recorder: \[Errno 27\] File too large$"):
-        run_role_module.run_node("recorder", lambda: MagicMock(close=fail, done=False))
+    process = start([sys.executable, "-c", FAILS_AT_THE_END])
+    said, _ = process.communicate(timeout=PATIENCE)
+    assert said.splitlines()[1:] == ["recorder: [Errno 27] File too large"]  # behind the one that it is ready
+    assert process.returncode == 1
 
 
 STOPPED_AT_THE_END = {
     "a node": """
-from unittest.mock import MagicMock
 from ev_core import run_role
+import rclpy
 
-def shut_down(and_then=run_role.rclpy.try_shutdown):
-    stop()
-    and_then()
+class Driver(rclpy.node.Node):
+    done = False
+
+    def close(self):
+        pass
+
+    def destroy_node(self):
+        stop()
+        super().destroy_node()
 
 run_role.spin = lambda *_: stop()
-run_role.rclpy.try_shutdown = shut_down
-run_role.run_node("driver", lambda: MagicMock(done=False, subscriptions=()))
+run_role.run_node("driver", lambda: Driver("driver"))
 """,
     "the runner": """
 from ev_sim.commands import ev_stack

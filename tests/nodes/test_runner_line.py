@@ -10,7 +10,7 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from ev_core.nodes.runner_line import NOTE, PROGRESS, RUNNER_LINE, TALLY, WARNING, WORD_KINDS, RunnerLine, Word
@@ -142,6 +142,8 @@ WORDS = st.dictionaries(st.sampled_from(["kind", "text", "what", "values", "more
         lambda j: json.dumps(j).encode()
     )
 )
+@example(said=b'{"kind": "tally", "values": {"stamp": null, "said": [], "taken": {"": null}}}')
+@example(said=b'{"kind": "tally", "values": {"said": {"wheel_states": [3]}, "taken": {}}}')
 def test_whatever_is_said_there_is_a_word_or_is_noted_in_one_line(said):
     told = Told("/ev")
     _, number = told.line("asr")

@@ -9,9 +9,10 @@ from functools import partial
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import rclpy
+from rclpy.context import Context
 from rclpy.exceptions import ParameterException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
@@ -71,8 +72,16 @@ def node_maker(role: str) -> Callable[..., Any]:
     return makers[0] if len(makers) == len(modules) == 1 else partial(make_node, role)
 
 
+_QUIET: Any = {"enable_rosout": False, "start_parameter_services": False}
+
+
+def hidden_node(name: str, context: Context | None) -> Node:
+    """A node that tools do not list, which keeps a process in the graph while the node of this name comes or goes."""
+    return Node(f"_{name}", context=context, use_global_arguments=False, **_QUIET)
+
+
 @contextmanager
-def told(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
+def given_parameters(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
     """The parameters that a node of this name is given; who makes a role's node learns from them which one.
 
     The node must be made within the block. A context whose last node goes leaves the graph, and when somebody leaves
@@ -80,10 +89,9 @@ def told(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
     its thread of timed events, which waits to announce itself. So another node stays meanwhile, under a hidden name,
     for the graph mixes up what belongs to two nodes of one name.
     """
-    quiet: Any = {"enable_rosout": False, "start_parameter_services": False}
-    stays = Node(f"_{name}", context=node_arguments.get("context"), use_global_arguments=False, **quiet)
+    stays = hidden_node(name, node_arguments.get("context"))
     try:
-        asked = Node(name, automatically_declare_parameters_from_overrides=True, **quiet, **node_arguments)
+        asked = Node(name, automatically_declare_parameters_from_overrides=True, **_QUIET, **node_arguments)
         try:
             given = ros_parameters.overrides(asked)
         finally:
@@ -106,6 +114,7 @@ def run_named_role() -> None:
 def run_node(name: str, make: Callable[[], Any]) -> None:
     """Make a node, spin it, and turn refused input into one line and exit status 1; no signal counts behind that."""
     with StopRequest() as stop:
+        node, trouble = None, ""
         try:
             if others := remove_ros_args(sys.argv)[1:]:  # ROS would silently ignore them: no --ros-args before them
                 raise ValueError(f"unknown argument {quoted(others[0])}; what a node is told follows --ros-args")
@@ -119,45 +128,42 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
                 spin([node], lambda: node.done or stop.received)
             finally:
                 node.close()
-            stop_listening(node)
         except (ValueError, OSError, ParameterException, *OF_ROS) as error:
-            leave(f"{name}: {one_line(error)}")
+            trouble = f"{name}: {one_line(error)}"
         except KeyboardInterrupt:
-            leave()
-        else:
-            leave()
+            pass
+        leave(node, trouble)
 
 
 SILENTLY = "EV_STACK_LEAVE_SILENTLY"  # variable of the environment: a runner sets it for its nodes
 
 
-def stop_listening(node: Node) -> None:
-    """Subscribe to nothing any more, so that nobody waits until this node has received something."""
-    for subscription in list(node.subscriptions):
-        node.destroy_subscription(subscription)
+def leave(node: Any, trouble: str) -> NoReturn:
+    """End the process, with status 1 and a line on stderr if there was trouble. No signal counts from here on.
 
+    A node of a runner removes only its subscriptions from the graph, so that nobody waits until it has received
+    something: all nodes end together, and a process that reads a publisher which is just being removed holds a lock of
+    Fast DDS and waits for its own thread of timed events. If that thread is about to announce its process, and waits
+    for the lock, the process is locked up for ever (https://github.com/eProsima/Fast-DDS/issues/6502). Others miss the
+    rest when its lease is over, after 4 s. Any other node removes all that it has.
 
-def leave(trouble: str | None = None) -> None:
-    """Let the process end; SystemExit, with status 1 and a line on stderr, if there was trouble. No signal counts then.
-
-    To be called while the node still exists: a collected node removes its publishers from the graph one by one. A
-    process that reads such a publisher then holds a lock of Fast DDS and waits for its own thread of timed events. If
-    that thread is just about to announce its process, and waits for the lock, the process is locked up for ever
-    (https://github.com/eProsima/Fast-DDS/issues/6502). Nodes of a runner end all together, and no other process needs
-    to know: they leave without removing their publishers. Other participants miss them when their lease is over, after
-    4 s. The nodes only remove their subscriptions (`stop_listening`), which waits for no timer: a writer that waits for
-    acknowledgements of its last message shall not wait for them.
+    The participant of the process is never deleted: where others leave in the same moment, Fast DDS waits for its own
+    callback in a loop which keeps that callback from ending (https://github.com/eProsima/Fast-DDS/issues/6513). It goes
+    with the last node, so another one, under a hidden name, is there when the node goes.
     """
     turn_deaf()
-    if SILENTLY in os.environ:
-        if trouble is not None:
-            print(trouble, file=sys.stderr)
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(0 if trouble is None else 1)
-    rclpy.try_shutdown()
-    if trouble is not None:
-        sys.exit(trouble)
+    if node is not None:
+        if SILENTLY in os.environ:
+            for subscription in list(node.subscriptions):
+                node.destroy_subscription(subscription)
+        elif node.context.ok():
+            _stays = hidden_node(node.get_name(), node.context)  # as long as this frame, which is not left any more
+            node.destroy_node()
+    if trouble:
+        print(trouble, file=sys.stderr)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(1 if trouble else 0)
 
 
 def one_line(error: Exception) -> str:
@@ -167,7 +173,7 @@ def one_line(error: Exception) -> str:
     """
     if isinstance(error, rclpy_implementation.UnknownROSArgsError):
         return f"unknown ROS arguments {error}"
-    said = error.__context__ or error if isinstance(error, UnsupportedTypeSupport) else error
-    text = " ".join(re.sub(r", at /\S+:\d+", "", str(said)).split())
+    cause = error.__context__ or error if isinstance(error, UnsupportedTypeSupport) else error
+    text = " ".join(re.sub(r", at /\S+:\d+", "", str(cause)).split())
     trouble = too_late() if isinstance(error, rclpy_implementation.RCLError) else None
     return shown(text if trouble is None else f"{text}; {trouble}", LINE)

@@ -1,19 +1,5 @@
 """The world around the control laws; from Python `run`, `Simulation` and `batch` (docs/python.md)."""
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from ev_msgs_py.contract.fields import SignalError
-    from ev_msgs_py.refusal import ParameterError
-    from ev_sim.batches.batch import BatchResult
-    from ev_sim.interface.driving import batch, run
-    from ev_sim.interface.simulation import Simulation
-    from ev_sim.report.result import Result
-
-    __version__: str
-
-__all__ = ["BatchResult", "ParameterError", "Result", "SignalError", "Simulation", "batch", "run"]
-
 _MODULES = {
     "BatchResult": "ev_sim.batches.batch",
     "ParameterError": "ev_msgs_py.refusal",
@@ -23,6 +9,8 @@ _MODULES = {
     "batch": "ev_sim.interface.driving",
     "run": "ev_sim.interface.driving",
 }
+
+__all__ = [*_MODULES]  # their types are in __init__.pyi
 
 
 def __getattr__(name: str) -> object:
@@ -40,4 +28,4 @@ def __getattr__(name: str) -> object:
 
 def __dir__() -> list[str]:
     """What is there, whether it has been imported yet or not."""
-    return sorted({*globals(), *_MODULES, "__version__"} - {"TYPE_CHECKING"})
+    return sorted({*globals(), *_MODULES, "__version__"})

@@ -12,6 +12,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
+from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
@@ -51,6 +52,7 @@ class SimulationInterfaces:
         self._action: Any = needed(f"{_PACKAGE}/action/SimulateSteps")
         self._node, self._is_stopped = node, False
         self._paused: bool | None = None
+        self._asked_at = 0  # ns of the time of day: what was reported before that is older than what was answered
         self._ticks, self._ticked = 0, -float("inf")
         self._stamp = (-1, 0)
         self._waiting: list[tuple[float, Future, float]] = []
@@ -178,6 +180,7 @@ class SimulationInterfaces:
 
     async def _ask(self, service: str, times: int = 1) -> None:
         """Have the master do something, so many times; LookupError if it does not answer."""
+        self._asked_at = self._node.get_clock().now().nanoseconds
         client = self._callers[service]
         if not client.service_is_ready():
             raise LookupError(f"{self._master} is not there")
@@ -210,6 +213,8 @@ class SimulationInterfaces:
 
     def _note(self, message: Any) -> None:
         """What the master reports of time, whoever has asked it."""
+        if Time.from_msg(message.header.stamp).nanoseconds < self._asked_at:
+            return
         for status in message.status:
             if status.name == f"{self._master}: {TIME_SERVICE}":
                 values = {each.key: each.value for each in status.values}

@@ -139,7 +139,7 @@ class NodeReports:
         elif word.kind == TIMING:
             self.timing = dict(word.values)
         elif word.kind == TALLY:
-            self._tallies[node] = {"taken": dict(word.values["taken"]), "said": dict(word.values["said"])}
+            self._tallies[node] = {end: _sums(word.values[end]) for end in ("taken", "said")}
         elif word.kind == TIME_SERVICE:
             self.rests = bool(word.values["rests"])
             self._words.append(text)
@@ -192,6 +192,15 @@ class NodeReports:
         """Hang up."""
         for line in self._lines.values():
             line.close()
+
+
+def _sums(values: Any) -> dict[str, dict[str, int]]:
+    """Sums by topic and number of a step; ValueError, TypeError or LookupError if a node has reported something else."""
+    return {
+        topic: {str(int(step)): int(total) for step, total in dict(sums).items()}
+        for topic, sums in dict(values).items()
+        if _WRITER_OF[topic]
+    }
 
 
 def _differ(taken: Mapping[str, int], sent: Mapping[str, int]) -> bool:

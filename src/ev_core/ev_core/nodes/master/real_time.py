@@ -90,12 +90,13 @@ class FadingInputs(HeldInputs):
         It falls to zero by a ramp. No torque acts any more when the command is `command_timeout` old, so what counts
         is its age at the end of the step, by its stamp or by the wall clock, whichever is more.
         """
-        sent = self.stamp_of(WheelTorqueCommand)
-        age = max(stamps.to_seconds(now - sent), time.monotonic() - self._command_came)
-        left = p.command_timeout - age - stamps.to_seconds(period)
-        if left <= 0.0:
+        by_stamp = now - self.stamp_of(WheelTorqueCommand)
+        by_wall_clock = stamps.from_seconds(time.monotonic() - self._command_came)
+        # In whole nanoseconds: 0.1 s - 0.09 s - 0.01 s is not zero in floats, and the whole torque without a ramp.
+        left = stamps.from_seconds(p.command_timeout) - max(by_stamp, by_wall_clock) - period
+        if left <= 0:
             return 0.0
-        return min(left / p.command_ramp, 1.0) if p.command_ramp > 0.0 else 1.0
+        return min(stamps.to_seconds(left) / p.command_ramp, 1.0) if p.command_ramp > 0.0 else 1.0
 
     def at(self, share: float, brake_torque: float) -> Frame:
         """The inputs of a step; what is missing of the command's torques is made up for by braking."""

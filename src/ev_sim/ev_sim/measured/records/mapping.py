@@ -33,14 +33,14 @@ def read_record(path: Path, mapping: Path) -> MeasuredRecord:
     """The record of a file, by its mapping; ParameterError, in one line that names the file, if it is refused."""
     given = _given(mapping)
     known = (*frame.channels(), SIDESLIP)
-    said: dict[str, ColumnParameters] = {}
+    declared: dict[str, ColumnParameters] = {}
     for name, about in given["channels"].items():
         if name not in known:
             raise ParameterError(f"{mapping}: {unknown_name('channel', name, known)}")
-        said[name] = _said(mapping, name, about)
-    columns, digest = _reader(path, mapping, given)(path, [each.column for each in said.values()])
+        declared[name] = _declared(mapping, name, about)
+    columns, digest = _reader(path, mapping, given)(path, [each.column for each in declared.values()])
     found = {}
-    for name, each in said.items():
+    for name, each in declared.items():
         if each.column not in columns:
             raise ParameterError(f"{mapping}: {name}: {unknown_name(f'column of {path}', each.column, columns)}")
         found[name] = (columns[each.column].scaled(each.factor(name)), each)
@@ -90,16 +90,16 @@ def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
 
     def table(file: Path, wanted: Sequence[str]) -> tuple[dict[str, Sampled], str]:
         columns, digest = read_columns(file)
-        said = _said(mapping, "time", given["time"])
-        if said.column not in columns:
-            raise ParameterError(f"{mapping}: time: {unknown_name(f'column of {file}', said.column, columns)}")
-        time = columns[said.column] * said.factor("time")
+        declared = _declared(mapping, "time", given["time"])
+        if declared.column not in columns:
+            raise ParameterError(f"{mapping}: time: {unknown_name(f'column of {file}', declared.column, columns)}")
+        time = columns[declared.column] * declared.factor("time")
         return {name: Sampled(time, values) for name, values in columns.items()}, digest
 
     return table
 
 
-def _said(mapping: Path, name: str, about: Any) -> ColumnParameters:
+def _declared(mapping: Path, name: str, about: Any) -> ColumnParameters:
     try:
         return build(ColumnParameters, {"column": about} if isinstance(about, str) else about)
     except (ParameterError, AttributeError, TypeError) as error:

@@ -137,7 +137,7 @@ def measured(
         before = np.clip(np.searchsorted(time, instants + 1e-9, side="right") - 1, 0, len(time) - 2)
         apart = 1.5 * max(float(np.median(np.diff(time))), period)
         valid &= (time[before + 1] - time[before] < apart) | (np.abs(time[before] - instants) < 1e-6)
-    _move_to_centre(channels, {name: said for name, (_, said) in columns.items()}, period)
+    _move_to_centre(channels, {name: declared for name, (_, declared) in columns.items()}, period)
     for name in (ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE):
         if name in channels:
             limit = mask.steering_rate * (16.0 if name == STEERING_WHEEL_ANGLE else 1.0)
@@ -148,9 +148,9 @@ def measured(
     return MeasuredRecord(source, digest, float(begin), period, channels, valid, notes)
 
 
-def _move_to_centre(channels: dict[str, np.ndarray], said: Mapping[str, ColumnParameters], period: float) -> None:
+def _move_to_centre(channels: dict[str, np.ndarray], declared: Mapping[str, ColumnParameters], period: float) -> None:
     """Velocities and accelerations of sensors beside the centre of mass, of a rigid body that turns in the plane."""
-    moved = [n for n, of in said.items() if of.x or of.y]
+    moved = [n for n, of in declared.items() if of.x or of.y]
     if not moved:
         return
     if YAW_RATE not in channels:
@@ -158,7 +158,7 @@ def _move_to_centre(channels: dict[str, np.ndarray], said: Mapping[str, ColumnPa
     yaw_rate = channels[YAW_RATE]
     yaw = np.gradient(yaw_rate, period)
     for name in moved:
-        x, y = said[name].x, said[name].y
+        x, y = declared[name].x, declared[name].y
         channels[name] = channels[name] + {
             LONGITUDINAL: y * yaw_rate,
             LATERAL: -x * yaw_rate,
