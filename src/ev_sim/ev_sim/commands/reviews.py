@@ -72,8 +72,9 @@ def run_verdicts(argv: Sequence[str]) -> None:
     if only and not found:
         raise ParameterError(f"--only {' '.join(given.only)}: no such id or source; sources: {', '.join(sources())}")
     with OutputFolder(given.out, "verdicts", (*FILES, COMPARISONS)) as folder:
-        images = {id: names for source in sources() for id, names in images_by_id(source).items()}
-        write(found, folder.directory, images)
+        if found:
+            images = {id: names for source in sources() for id, names in images_by_id(source).items()}
+            write(found, folder.directory, images)
         if given.data is not None and (MEASURED in given.only or not given.only):
             compared = compare(given.data, lambda line: print(line, flush=True))
             with atomic_file(folder.directory / COMPARISONS) as file:
