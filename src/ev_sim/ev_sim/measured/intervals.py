@@ -43,10 +43,10 @@ def knowledge(
     Errors within a window go together, so their number counts for less: the covariance (J'J)^-1 is multiplied by the
     mean ratio of the variance of the gradients of windows to that of independent errors. The bootstrap draws windows
     with replacement and takes one step of Gauss and Newton from the optimum in each draw. Draws of n windows are too
-    much alike where these are few, so their ends are stretched by the root of n/(n - 1) and by Student's over the normal
-    quantile (Hesterberg, The American Statistician 69, 2015, expanded percentile interval). An interval reaches at least
-    1.96 standard deviations far, and ends where the range of the parameter does. `width` [scales] is that of the prior
-    about the start, which keeps what the record cannot tell.
+    much alike where these are few, so their ends are stretched by the root of n/(n - 1) and by Student's over the
+    normal quantile (Hesterberg, The American Statistician 69, 2015, expanded percentile interval). An interval reaches
+    at least 1.96 standard deviations far, and ends where the range of the parameter does. `width` [scales] is that of
+    the prior about the start, which keeps what the record cannot tell.
     """
     windows, _, count = derivatives.shape
     scale = np.array([each.scale for each in free])
