@@ -10,6 +10,7 @@ import pytest
 from measured.made_records import CAR, columns_of, driven, write
 
 from ev_core.vehicle.tyre import MF_NAMES
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.measured.free_parameters import FreeParameter, free_parameters
 from ev_sim.measured.intervals import in_words, knowledge
@@ -101,7 +102,12 @@ def test_a_free_parameter_that_cannot_be_free_is_refused(name, message):
         (free,) = free_parameters([name], graph(CAR, 0.01, Overrides()))
         assert (free.low, free.high, free.scale) == (free.start / 10, free.start * 10, free.start)
         return
-    from ev_msgs_py.refusal import ParameterError
-
     with pytest.raises(ParameterError, match=message):
         free_parameters([name], graph(CAR, 0.01, Overrides()))
+
+
+def test_a_group_that_the_tyres_do_not_have_is_refused_with_the_one_that_they_have():
+    message = "front_mf, allowed is a car with tyres of curve mf_tyre; of others the group curve$"
+    with pytest.raises(ParameterError, match=message):
+        free_parameters(["tyres"], graph("audi_a2", 0.01, Overrides()))
+    assert len(free_parameters(["curve"], graph("audi_a2", 0.01, Overrides()))) == 3

@@ -79,7 +79,9 @@ def windows_of(record: MeasuredRecord, length: float, begin: float = 0.0, end: f
             first.append(place)
             place += size - 1
     if not first:
-        raise ParameterError(f"{record.source}: no window of {length:g} s without a gap")
+        begin, end = (round(share * len(record.valid)) * record.period for share in (begin, end))
+        where = f"from {begin:.1f} s to {end:.1f} s of {record.source}"
+        raise ParameterError(f"no window of {length:g} s without a gap {where}, allowed is a shorter --window, or more")
     return Windows(np.array(first), size)
 
 
