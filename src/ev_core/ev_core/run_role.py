@@ -117,7 +117,7 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
         node, trouble = None, ""
         try:
             if others := remove_ros_args(sys.argv)[1:]:  # ROS would silently ignore them: no --ros-args before them
-                raise ValueError(f"unknown argument {quoted(others[0])}; what a node is told follows --ros-args")
+                raise ValueError(f"unknown argument {quoted(others[0])}; options of a node follow --ros-args")
             refuse_weak_security(os.environ)
             refuse_late_time_of_day()
             rclpy.init(signal_handler_options=SignalHandlerOptions.NO)

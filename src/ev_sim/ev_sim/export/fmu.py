@@ -130,7 +130,7 @@ def _variables(library: Library) -> list[Variable]:
     about = {
         f"{role}.{entry.name}": entry.spec.about
         for role in content.roles
-        for entry in entries(content.run.configurations[role].told)
+        for entry in entries(content.run.configurations[role].given)
     }
     found: list[Variable] = []
 

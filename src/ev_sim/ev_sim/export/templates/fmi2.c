@@ -56,7 +56,7 @@ EXPORTED int fmi2SetupExperiment(unit *it, int, double, double start, int, doubl
     return OK;
 }
 
-EXPORTED int fmi2EnterInitializationMode(unit *) { return OK; }
+EXPORTED int fmi2EnterInitializationMode(unit *it) { return begin(it); }
 EXPORTED int fmi2ExitInitializationMode(unit *it) { return begin(it); }
 EXPORTED int fmi2Terminate(unit *) { return OK; }
 

@@ -55,7 +55,7 @@ EXPORTED void fmi3FreeInstance(unit *it) { free(it); }
 EXPORTED int fmi3EnterInitializationMode(unit *it, bool, double, double start, bool, double)
 {
     it->state.start = start;
-    return OK;
+    return begin(it);
 }
 
 EXPORTED int fmi3ExitInitializationMode(unit *it) { return begin(it); }

@@ -95,7 +95,7 @@ static int set(unit *it, const uint32_t references[], size_t count, const double
     return status;
 }
 
-/* At rest, with the parameters and inputs that were set before. */
+/* At rest, with the parameters and inputs that were set before: when initialization begins and when it ends. */
 static int begin(unit *it)
 {
     {{ name }} *model = &state_of(it)->model;
