@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from documentation.hashes import HASHES, all_hashes, changes, hash_table, published_hashes
+from documentation.law_costs import BLOCK as LAW_COSTS
+from documentation.law_costs import NATIVE, law_table
 from documentation.markdown import with_blocks
 from documentation.pages import CONTROL_PERIODS, README, RESULTS, SHCHUR, stale_pages
 from documentation.processors import BLOCK, PROCESSORS, processor_table
@@ -46,7 +48,7 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
 
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)
-    known = [README, HASHES, PROCESSORS, SHCHUR, *NAMES]
+    known = [README, HASHES, PROCESSORS, NATIVE, SHCHUR, *NAMES]
     known += [*scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
     for name in chosen:
         if name not in known:
@@ -59,6 +61,8 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
     if PROCESSORS in wanted:
         published = published_hashes((root / HASHES).read_text(encoding="utf-8"))
         _write(root / PROCESSORS, {BLOCK: processor_table(published)})
+    if NATIVE in wanted:
+        _write(root / NATIVE, {LAW_COSTS: law_table()})
     if SHCHUR in wanted:
         driven = results.drive_all()
         texts = {RESULTS: results.result_table(driven), CONTROL_PERIODS: results.control_period_table()}
