@@ -138,7 +138,7 @@ def read_record(path: Path, mapping: Path) -> MeasuredRecord:
 def _column(
     mapping: Path, path: Path, name: str, about: Any, columns: Mapping[str, np.ndarray]
 ) -> tuple[np.ndarray, ColumnParameters]:
-    """A column in SI and REP-103, and what is said of it."""
+    """A column in SI and REP-103, and its declaration."""
     try:
         declared = build(ColumnParameters, {"column": about} if isinstance(about, str) else about)
         if declared.column not in columns:
