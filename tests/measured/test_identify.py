@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import coverage_of_intervals
 import numpy as np
 import pytest
 from measured.made_records import CAR, columns_of, driven, write
@@ -56,6 +57,21 @@ def test_a_simulated_car_with_noise_gives_back_its_parameters_within_their_inter
         main(["validate", record, "--vehicle", files[0], "--duration", "3"])
     again = json.loads((tmp_path / "check" / "summary.json").read_text())
     assert again["errors"]["twist.yaw_rate"]["rms"] == pytest.approx(errors["rms_after"], rel=1e-3)
+
+
+def test_the_tool_that_counts_held_intervals_starts(capsys):
+    coverage_of_intervals.main(["--seeds", "1", "--duration", "4.5", "--window", "1"])
+    assert "vehicle.yaw_inertia: held by" in capsys.readouterr().out
+
+
+def test_few_windows_do_not_make_an_interval_narrower_than_its_deviation():
+    """Three windows, of which each draw of the bootstrap has at most three: at least 1.96 deviations to either side."""
+    random = np.random.Generator(np.random.PCG64(2))
+    derivatives, residuals = random.standard_normal((3, 50, 1)), random.standard_normal((3, 50))
+    known = knowledge(residuals, derivatives, np.ones(1), [FreeParameter("a", "1", 0.0, 2.0, 1.0, 1.0)], 1.0, 0)
+    (low, high), (deviation,) = known.interval[0], known.deviation
+    assert low <= 1.0 - 1.96 * deviation
+    assert high >= 1.0 + 1.96 * deviation
 
 
 def test_what_cannot_be_told_is_named_by_its_parameters():

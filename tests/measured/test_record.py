@@ -8,7 +8,8 @@ from measured.made_records import CHANNELS, MAPPING, columns_of, driven, write
 
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measured.open_loop import windows_of
-from ev_sim.measured.record import SIDESLIP, read_record
+from ev_sim.measured.records.mapping import read_record
+from ev_sim.measured.records.record import SIDESLIP
 
 
 @pytest.mark.parametrize("name", ["made.csv", "made.csv.xz"])
@@ -57,7 +58,7 @@ def test_a_short_spike_is_bridged_and_a_gap_is_masked(tmp_path):
         (("column: r,", "column: rr,"), "unknown column of"),
         (("unit: deg/s", "unit: furlong"), "unit"),
         (("twist.yaw_rate", "twist.yawrate"), "unknown channel"),
-        (("time: {column: t, unit: ms}", ""), "time, channels"),
+        (("time: {column: t, unit: ms}", ""), "needs time"),
         (("frame: sae", "frame: left"), "frame"),
     ],
 )

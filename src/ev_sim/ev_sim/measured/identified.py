@@ -14,7 +14,7 @@ from ev_sim.measured.free_parameters import FreeParameter, changes
 from ev_sim.measured.identification import Fitted
 from ev_sim.measured.intervals import Knowledge, in_words
 from ev_sim.measured.open_loop import COMPARED, OpenLoop
-from ev_sim.measured.record import quoted_source
+from ev_sim.measured.records.record import quoted_source
 from ev_sim.measured.validation import FILES, Validation
 from ev_sim.measured.vehicle_text import parameter_text, vehicle_text
 from ev_sim.recording.recording import atomic_file
