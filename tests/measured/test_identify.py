@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 
+import coverage_of_intervals
 import numpy as np
 import pytest
 from measured.made_records import CAR, columns_of, driven, write
 
 from ev_core.vehicle.tyre import MF_NAMES
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.measured.free_parameters import FreeParameter, free_parameters
 from ev_sim.measured.intervals import in_words, knowledge
@@ -57,6 +59,21 @@ def test_a_simulated_car_with_noise_gives_back_its_parameters_within_their_inter
     assert again["errors"]["twist.yaw_rate"]["rms"] == pytest.approx(errors["rms_after"], rel=1e-3)
 
 
+def test_the_tool_that_counts_held_intervals_starts(capsys):
+    coverage_of_intervals.main(["--seeds", "1", "--duration", "4.5", "--window", "1"])
+    assert "vehicle.yaw_inertia: held by" in capsys.readouterr().out
+
+
+def test_few_windows_do_not_make_an_interval_narrower_than_its_deviation():
+    """Three windows, of which each draw of the bootstrap has at most three: at least 1.96 deviations to either side."""
+    random = np.random.Generator(np.random.PCG64(2))
+    derivatives, residuals = random.standard_normal((3, 50, 1)), random.standard_normal((3, 50))
+    known = knowledge(residuals, derivatives, np.ones(1), [FreeParameter("a", "1", 0.0, 2.0, 1.0, 1.0)], 1.0, 0)
+    (low, high), (deviation,) = known.interval[0], known.deviation
+    assert low <= 1.0 - 1.96 * deviation
+    assert high >= 1.0 + 1.96 * deviation
+
+
 def test_what_cannot_be_told_is_named_by_its_parameters():
     """Two parameters of which only the sum acts: their difference is unknown, their deviation that of the prior."""
     random = np.random.Generator(np.random.PCG64(1))
@@ -85,7 +102,12 @@ def test_a_free_parameter_that_cannot_be_free_is_refused(name, message):
         (free,) = free_parameters([name], graph(CAR, 0.01, Overrides()))
         assert (free.low, free.high, free.scale) == (free.start / 10, free.start * 10, free.start)
         return
-    from ev_msgs_py.refusal import ParameterError
-
     with pytest.raises(ParameterError, match=message):
         free_parameters([name], graph(CAR, 0.01, Overrides()))
+
+
+def test_a_group_that_the_tyres_do_not_have_is_refused_with_the_one_that_they_have():
+    message = "front_mf, allowed is a car with tyres of curve mf_tyre; of others the group curve$"
+    with pytest.raises(ParameterError, match=message):
+        free_parameters(["tyres"], graph("audi_a2", 0.01, Overrides()))
+    assert len(free_parameters(["curve"], graph("audi_a2", 0.01, Overrides()))) == 3

@@ -226,7 +226,9 @@ class BatchResult:
 
     def __repr__(self) -> str:
         kept = ", ".join(f"{name} {np.shape(values)}" for name, values in {**self.metrics, **self.signals}.items())
-        return f"BatchResult of {kept or 'nothing'}; {len(self.failed)} failed"
+        return (
+            f"BatchResult of {kept or 'nothing, as neither metrics nor signals were named'}; {len(self.failed)} failed"
+        )
 
 
 def batch(
