@@ -7,6 +7,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from documentation.benchmark_board import PAGE as BENCHMARK
+from documentation.benchmark_board import board_tables, drive_small
 from documentation.hashes import HASHES, all_hashes, changes, hash_table, published_hashes
 from documentation.law_costs import BLOCK as LAW_COSTS
 from documentation.law_costs import NATIVE, law_table
@@ -48,7 +50,7 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
 
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)
-    known = [README, HASHES, PROCESSORS, NATIVE, SHCHUR, *NAMES]
+    known = [README, HASHES, PROCESSORS, NATIVE, SHCHUR, BENCHMARK, *NAMES]
     known += [*scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
     for name in chosen:
         if name not in known:
@@ -68,6 +70,8 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
         texts = {RESULTS: results.result_table(driven), CONTROL_PERIODS: results.control_period_table()}
         _write(root / SHCHUR, texts)
         results.save_images(driven, images)
+    if BENCHMARK in wanted:
+        _write(root / BENCHMARK, board_tables(drive_small()))
     if any(name in wanted for name in NAMES):
         write_verdicts(root, wanted)
     for name, page in scenario_results.SCENARIO_PAGES.items():
