@@ -60,4 +60,6 @@ def main(car_file: str, law_file: str, seconds: str, out: str) -> None:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 5:
+        sys.exit(__doc__)
     main(*sys.argv[1:])

@@ -192,14 +192,28 @@ def _entries(role: str) -> list[Entry]:
 
 
 def _node(of: Iterable[Entry]) -> dict[str, Any]:
-    """Groups as objects; dotted names are let through, the stack itself knows them."""
+    """Groups as objects; dotted names are let through, the stack itself knows them.
+
+    A name may be a group of one method and a value of another.
+    """
     tree = _group()
     for entry in of:
-        place, names = tree, entry.name.split(".")
-        for group in names[:-1]:
-            place = place["properties"].setdefault(group, _group())
-        place["properties"][names[-1]] = _value(entry)
+        *groups, name = entry.name.split(".")
+        place = tree["properties"]
+        for group in groups:
+            place = _within(place, group)["properties"]
+        place[name] = {"anyOf": [_value(entry), place[name]]} if name in place else _value(entry)
     return tree
+
+
+def _within(properties: dict[str, Any], name: str) -> dict[str, Any]:
+    found = properties.setdefault(name, _group())
+    for each in found.get("anyOf", (found,)):
+        if "properties" in each:
+            return each
+    group = _group()
+    properties[name] = {"anyOf": [found, group]}
+    return group
 
 
 def _group() -> dict[str, Any]:
