@@ -62,7 +62,7 @@ def test_a_simulated_car_with_noise_gives_back_its_parameters_within_their_inter
 
 
 def test_a_search_that_was_stopped_goes_on_with_the_same_bits(tmp_path, monkeypatch, capsys):
-    """Stopped in its fifth evaluation: the first four are taken from the journal, which then is gone; a torn end is not.
+    """Stopped in its fifth evaluation: the first four are taken from the journal, then it is gone; a torn end is not.
 
     Another record takes none.
     """
