@@ -21,6 +21,7 @@ from ev_sim.measured.identification import identify
 from ev_sim.measured.identified import CAR, FILES_OF_IDENTIFICATION, PARTS, Identified
 from ev_sim.measured.intervals import knowledge
 from ev_sim.measured.journal import Journal, search_key
+from ev_sim.measured.motor_map import FILES_OF_MOTOR, MOTOR, fit_motor, motor_table, write_motor
 from ev_sim.measured.open_loop import IMPOSED, ROLES_OF_REPLAY, OpenLoop, Windows, graph, windows_of
 from ev_sim.measured.records.bags import is_foreign
 from ev_sim.measured.records.mapping import read_record, read_standard
@@ -81,6 +82,7 @@ def run_identify(argv: Sequence[str]) -> None:
     parser.add_argument(
         "--friction-scale", type=float, default=1.0, metavar="S", help="of the road over the rig's belt"
     )
+    parser.add_argument("--motor", type=Path, metavar="MAP.csv", help="a motor's losses from this map instead of a car")
     _add_record(parser, "identify")
     groups = "; ".join(f"{name}: {', '.join(of)}" for name, of in GROUPS.items())
     parser.add_argument(
@@ -106,11 +108,20 @@ def run_identify(argv: Sequence[str]) -> None:
         "--no-report", action="store_true", help="neither report.html nor figures, numbers all the same"
     )
     given = parser.parse_args(argv)
+    if given.motor:
+        with OutputFolder(given.out, "identify motor", FILES_OF_MOTOR) as folder:
+            motor = fit_motor(given.motor)
+            print(motor_table(motor))
+            write_motor(folder.directory, motor, command_of(["identify", *argv]))
+        print(f"{len(motor.speed)} points, {motor.left_out} rows left out; motor: {folder.directory / MOTOR}")
+        return
     if given.tyre:
         _identify_tyre(given, command_of(["identify", *argv]))
         return
     if given.record is None or not given.free:
-        parser.error("which record, and which parameters? RECORD --free GROUP ..., or --tyre RIG ...")
+        parser.error(
+            "which record, and which parameters? RECORD --free GROUP ..., or --tyre RIG ..., or --motor MAP.csv"
+        )
     for name in ("starts", "steps", "every", "prior"):
         if not getattr(given, name) > 0:
             raise ParameterError(f"--{name} {getattr(given, name)} is refused, allowed is more than 0")
