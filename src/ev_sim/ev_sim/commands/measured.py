@@ -20,6 +20,7 @@ from ev_sim.measured.free_parameters import GROUPS, free_parameters
 from ev_sim.measured.identification import identify
 from ev_sim.measured.identified import CAR, FILES_OF_IDENTIFICATION, PARTS, Identified
 from ev_sim.measured.intervals import knowledge
+from ev_sim.measured.journal import Journal, search_key
 from ev_sim.measured.open_loop import IMPOSED, ROLES_OF_REPLAY, OpenLoop, Windows, graph, windows_of
 from ev_sim.measured.records.bags import is_foreign
 from ev_sim.measured.records.mapping import read_record, read_standard
@@ -41,6 +42,7 @@ from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.about import vehicle_file
 from ev_sim.scenarios.parameter_file import ParameterFile
 
+JOURNAL = "search.journal"  # of a search that is under way
 _OF_A_RUN = (".npz", ".mcap", ".db3", "")  # what a recording of ours may end with; the last is a folder
 
 
@@ -127,15 +129,20 @@ def run_identify(argv: Sequence[str]) -> None:
         if name not in replay.compared:
             raise unknown_name("--signals", name, replay.compared)
     seed = given.seed or 0
-    with OutputFolder(given.out, "identify", FILES_OF_IDENTIFICATION) as folder:
+    key = search_key(replay, free, signals, given.every, given.prior, given.starts, seed, given.steps, given.impose)
+    with OutputFolder(given.out, "identify", (*FILES_OF_IDENTIFICATION, JOURNAL), keeps=[JOURNAL]) as folder:
+        journal = Journal(folder.directory / JOURNAL, key)
         fitted = identify(
             replay, free, signals, every=given.every, width=given.prior, starts=given.starts, seed=seed,
-            most=given.steps, progress=lambda line: print(line, flush=True),
+            most=given.steps, progress=lambda line: print(line, flush=True), journal=journal,
         )  # fmt: skip
         known = knowledge(fitted.residuals, fitted.derivatives, fitted.values, free, given.prior, seed)
         found = Identified(free, fitted, known, replays, stated, beside, command_of(["identify", *argv]))
         print(found.table())
         found.write(folder.directory, not given.no_report)
+        journal.remove()
+    if journal.taken:
+        print(f"went on behind {journal.taken} evaluations of a search that was stopped")
     print(f"car: {folder.directory / CAR}")
 
 
