@@ -43,7 +43,13 @@ CHOICES: dict[str, tuple[dict, ...]] = {
     ),
     "direct_yaw_moment": (
         {"reference": "sideslip_limit", "controller": "super_twisting", "allocation": "least_squares", **ALL_DRIVEN},
-        {"reference": "neutral", "controller": "lqr", "allocation": "load", "estimation": "estimated", **REAR_DRIVEN},
+        {
+            "reference": "neutral",
+            "controller": "predictive",
+            "allocation": "load",
+            "estimation": "estimated",
+            **REAR_DRIVEN,
+        },
     ),
     "drive_by_wire": ({"gain": 20.0, "brake.front_share": 0.3}, ALL_DRIVEN),
     "equal_torque": ({"vehicle.driven_wheels": ["rear_left"]}, ALL_DRIVEN),

@@ -73,8 +73,10 @@ def driven(law: Differential, car: LinearCar, angle: float, steps: int, **more) 
 
 
 @pytest.mark.parametrize("estimation", ["truth", "estimated"])
-@pytest.mark.parametrize(("controller", "allowed"), [("pi", 0.01), ("lqr", 0.08), ("sliding_mode", 0.06),
-                                                     ("super_twisting", 0.01)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("controller", "allowed"),
+    [("pi", 0.01), ("lqr", 0.08), ("predictive", 0.08), ("sliding_mode", 0.06), ("super_twisting", 0.01)],
+)
 @pytest.mark.parametrize("speed", [20.0, -8.0])
 def test_the_yaw_rate_follows_a_step_of_the_steering(controller, allowed, estimation, speed):
     """r* = u delta/(L + K u^2) within 1.5 s: exactly with an integral, without one to what the wrong tyres leave.

@@ -15,15 +15,23 @@ from ev_control.torque_vectoring.known_motion import (
     is_known,
     known_motion,
 )
-from ev_control.torque_vectoring.lqr import Gains, LQRParameters, lqr_gains, lqr_moment
+from ev_control.torque_vectoring.lqr import NO_GAINS, Gains, LQRParameters, lqr_gains, lqr_moment
 from ev_control.torque_vectoring.pi import PIParameters, pi_moment
+from ev_control.torque_vectoring.predictive import predictive_moment
 from ev_control.torque_vectoring.reference import (
     REFERENCES,
     ReferenceParameters,
     ReferenceState,
     wanted_motion,
 )
-from ev_control.torque_vectoring.shares import ShareParameters, an_axle_with_motors, by_axle, by_load, turned_by
+from ev_control.torque_vectoring.shares import (
+    ShareParameters,
+    an_axle_with_motors,
+    by_axle,
+    by_load,
+    motors_turn,
+    turned_by,
+)
 from ev_control.torque_vectoring.single_track import (
     SingleTrackParameters,
     single_track,
@@ -46,8 +54,8 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 
-CONTROLLERS = ("pi", "lqr", "sliding_mode", "super_twisting")
-PI, LQR, SLIDING_MODE, SUPER_TWISTING = range(len(CONTROLLERS))
+CONTROLLERS = ("pi", "lqr", "predictive", "sliding_mode", "super_twisting")
+PI, LQR, PREDICTIVE, SLIDING_MODE, SUPER_TWISTING = range(len(CONTROLLERS))
 ALLOCATIONS = ("axle", "load", "least_squares")
 BY_AXLE, BY_LOAD, LEAST_SQUARES = range(len(ALLOCATIONS))
 
@@ -103,7 +111,9 @@ class DirectYawMomentState:
 
 
 def prepare(parameters: DirectYawMomentParameters, vehicle: Vehicle, period: float) -> Gains:
-    """The gains of the regulator by speed."""
+    """The gains of the regulator by speed, where the controller asks for them."""
+    if parameters.controller not in ("lqr", "predictive"):
+        return NO_GAINS
     return lqr_gains(parameters.lqr, parameters.single_track, vehicle, period)
 
 
@@ -143,7 +153,8 @@ def direct_yaw_moment(
     if fast == 0.0:
         s.integral.moment = s.wanted.yaw_rate = 0.0
     else:
-        asked = fast * wanted_moment(p, car, c, s, period, motion, column.road_wheel_angle, imu.lateral_acceleration)
+        angle, a_y = column.road_wheel_angle, imu.lateral_acceleration
+        asked = fast * wanted_moment(p, car, c, s, period, motion, wheels, angle, a_y)
         asked = min(max(asked, -p.largest_moment), p.largest_moment)
     drive = torques(p, car, motion, wheels, imu, driver.drive_torque, asked)
     request = allocated(p.limits, car, wheels, WheelTorqueRequest(drive, split_brake(p.brake, driver)))
@@ -165,6 +176,7 @@ def wanted_moment(
     s: DirectYawMomentState,
     period: float,
     motion: KnownMotion,
+    wheels: WheelStates,
     road_wheel_angle: float,
     lateral_acceleration: float,
 ) -> float:
@@ -176,9 +188,13 @@ def wanted_moment(
         p.wanted, car, s.wanted, period, p.reference, u, road_wheel_angle, grip, lateral_acceleration, behind
     )
     model = single_track(p.single_track, car, u)
-    aside = steady_lateral_velocity(model, wanted.angle, wanted.yaw_rate)
+    sliding = motion.lateral - steady_lateral_velocity(model, wanted.angle, wanted.yaw_rate)
     ahead = steady_moment(car, model, wanted.angle, wanted.yaw_rate) + car.yaw_inertia * wanted.rate
-    return p.feed_forward * ahead + feedback(p, car, c, s, period, u, motion.lateral - aside, r - wanted.yaw_rate)
+    ahead, turning = p.feed_forward * ahead, r - wanted.yaw_rate
+    if p.controller != PREDICTIVE:
+        return ahead + feedback(p, car, c, s, period, u, sliding, turning)
+    most, slowest = min(p.largest_moment, motors_turn(car, wheels.velocity)), p.single_track.slowest
+    return ahead + predictive_moment(p.lqr, car, c, model, period, u, slowest, sliding, turning, ahead, most)
 
 
 @compilable

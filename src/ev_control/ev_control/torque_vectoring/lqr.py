@@ -5,6 +5,7 @@ Esmailzadeh, Goodarzi & Vossoughi (2003), Optimal yaw moment control law for imp
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 from ev_control.torque_vectoring.single_track import SingleTrackParameters, single_track
@@ -26,28 +27,34 @@ class LQRParameters:
 
 SPEED_STEP = 2.5  # [m/s]
 SPEEDS = 32  # of the schedule, each way
-_DOUBLINGS = 40  # of the horizon: 2^40 periods are for ever
+_DOUBLINGS = 14  # of the horizon: 2^14 periods are for ever
 _Matrix = tuple[float, float, float, float]  # row by row
 
 
 class Gains(NamedTuple):
-    """Yaw moment over errors at 0, SPEED_STEP, 2 SPEED_STEP ... ahead, and behind them in reverse."""
+    """Yaw moment over errors at 0, SPEED_STEP, 2 SPEED_STEP ... ahead, and behind them in reverse.
+
+    With them the cost of errors from here on, P of the Riccati equation.
+    """
 
     lateral: tuple[float, ...]  # [N s]
     yaw: tuple[float, ...]  # [N m s/rad]
+    cost_lateral: tuple[float, ...]  # [s^2/m^2]
+    cost_both: tuple[float, ...]  # [s^2/(m rad)]
+    cost_yaw: tuple[float, ...]  # [s^2/rad^2]
 
 
+@lru_cache(64)
 def lqr_gains(p: LQRParameters, tyres: SingleTrackParameters, vehicle: Vehicle, period: float) -> Gains:
     """The gains that make the sum of the weighed squares least on an endless horizon, by implicit Euler steps."""
     signed = [sign * SPEED_STEP * n for sign in (1.0, -1.0) for n in range(SPEEDS)]
-    lateral, yaw = zip(*(_gains_at(p, tyres, vehicle, period, speed) for speed in signed), strict=True)
-    return Gains(lateral, yaw)
+    return Gains(*zip(*(_gains_at(p, tyres, vehicle, period, speed) for speed in signed), strict=True))
 
 
 def _gains_at(
     p: LQRParameters, tyres: SingleTrackParameters, vehicle: Vehicle, period: float, speed: float
-) -> tuple[float, float]:
-    """(R + B'PB)^-1 B'PA at a speed [m/s], P by doubling (Chu, Fan, Lin & Wang 2004, Int. J. Control 77)."""
+) -> tuple[float, float, float, float, float]:
+    """(R + B'PB)^-1 B'PA and P at a speed [m/s], P by doubling (Chu, Fan, Lin & Wang 2004, Int. J. Control 77)."""
     model = single_track(tyres, vehicle, speed)
     a = _inverse((1.0 - period * model.a_11, -period * model.a_12, -period * model.a_21, 1.0 - period * model.a_22))
     b = (a[1] * period / vehicle.yaw_inertia, a[3] * period / vehicle.yaw_inertia)
@@ -67,6 +74,9 @@ def _gains_at(
     return (
         (weighed[0] * a[0] + weighed[1] * a[2]) / share,
         (weighed[0] * a[1] + weighed[1] * a[3]) / share,
+        cost[0],
+        (cost[1] + cost[2]) / 2.0,
+        cost[3],
     )
 
 
@@ -93,13 +103,19 @@ def _inverse(x: _Matrix) -> _Matrix:
     return x[3] / determinant, -x[1] / determinant, -x[2] / determinant, x[0] / determinant
 
 
+NO_GAINS = Gains(*[(0.0,) * (2 * SPEEDS)] * len(Gains._fields))
+
+
 @compilable
 def lqr_moment(gains: Gains, speed: float, lateral_error: float, yaw_error: float) -> float:
-    """M_z = -k_v (v - v*) - k_r (r - r*) [N m], the gains interpolated at a speed [m/s], constant beyond the last."""
+    """M_z = -k_v (v - v*) - k_r (r - r*) [N m], by errors in m/s and rad/s."""
+    return -at_speed(gains.lateral, speed) * lateral_error - at_speed(gains.yaw, speed) * yaw_error
+
+
+@compilable
+def at_speed(row: tuple[float, ...], speed: float) -> float:
+    """A row of the schedule, interpolated at a speed [m/s], constant beyond the last."""
     place = min(abs(speed) / SPEED_STEP, SPEEDS - 1.0)
     below = min(int(place), SPEEDS - 2)
-    share = place - below
-    row = below if speed >= 0.0 else SPEEDS + below
-    lateral = gains.lateral[row] + share * (gains.lateral[row + 1] - gains.lateral[row])
-    yaw = gains.yaw[row] + share * (gains.yaw[row + 1] - gains.yaw[row])
-    return -lateral * lateral_error - yaw * yaw_error
+    first = below if speed >= 0.0 else SPEEDS + below
+    return row[first] + (place - below) * (row[first + 1] - row[first])

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ev_control.estimation.wheel_dynamics import wheel_loads
+from ev_control.shared.allocation import motor_range
 from ev_core.law import Car, InertialMeasurement, Vehicle, Wheels, compilable, parameter
 from ev_core.vehicle.driveline import has_own_motors
 
@@ -65,6 +66,16 @@ def by_load(car: Car, imu: InertialMeasurement, total: float, moment: float) -> 
 def turning(track: float, car: Car, moment: float) -> float:
     """Half the torque difference of an axle, right minus left, that turns the car with a moment [N m]."""
     return moment * car.wheel_radius / track
+
+
+@compilable
+def motors_turn(car: Car, speed: Wheels) -> float:
+    """The yaw moment that all motors can give either way without a drive torque, at wheel speeds [rad/s] [N m]."""
+    a, b = motor_range(car, 0, speed[0]), motor_range(car, 1, speed[1])
+    c, d = motor_range(car, 2, speed[2]), motor_range(car, 3, speed[3])
+    front = min(min(a.most, -a.least), min(b.most, -b.least)) * car.front_track
+    rear = min(min(c.most, -c.least), min(d.most, -d.least)) * car.rear_track
+    return (front + rear) / car.wheel_radius
 
 
 @compilable
