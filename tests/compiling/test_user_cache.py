@@ -143,7 +143,7 @@ def test_damaged_files_are_named_and_made_anew(tmp_path):
     for file in filter(Path.is_file, cache_folder().iterdir()):
         with suppress(FileNotFoundError):  # another test has forgotten it meanwhile
             shutil.copy2(file, copy)
-    damaged = [*copy.glob("powered_steering_column_*.code"), *copy.glob("run_instants_*.numba")]
+    damaged = [*copy.glob("powered_steering_column_*.code"), *copy.glob("run_instants_*.code")]
     for file in damaged:
         content = file.read_bytes()
         half = len(content) // 2
