@@ -25,8 +25,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ev_core.compiling.machine_code import call
 from ev_core.compiled.part import CompiledPart
+from ev_core.compiling.machine_code import call
 from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER

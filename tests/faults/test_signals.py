@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_core.compiling.machine_code import call
 from ev_core.compiled.part import RowPart
+from ev_core.compiling.machine_code import call
 from ev_core.faults.fault import OF_SIGNALS
 from ev_core.faults.row import FaultRow, of_signals
 from ev_msgs_py.contract import frame

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from sensors.rows import EVERYTHING, sensors, shown
 
-from ev_core.compiling.machine_code import call
 from ev_core.compiled.part import RowPart
+from ev_core.compiling.machine_code import call
 from ev_core.sensors.random_numbers import philox
 from ev_core.sensors.row import QUANTITIES, SensorRow
 from ev_msgs_py.contract import frame
