@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ev_core.lockstep.run import GraphRun, said_again
+from ev_core.lockstep.run import GraphRun, output_again
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.frame import PLACES, SIZE
@@ -72,7 +72,7 @@ def time_of_plant(run: Run) -> float:
         if type(command) in plant.method.reads:
             series[PLACES[type(command)]] = np.array(shape_of(type(command)).flat(command))[:, None]
     start = time.perf_counter()
-    said_again(plant, series)
+    output_again(plant, series)
     return time.perf_counter() - start
 
 

@@ -3,12 +3,10 @@
 The FMUs are those of
 
     ev-stack fmu shchur2019 --without electronic_differential --out car.fmu
-    ev-stack fmu shchur2019 --law electronic_differential --out law.fmu
+    ev-stack fmu shchur2019 --only electronic_differential --out law.fmu
 """
 
-import os
 import sys
-import traceback
 
 import fmpy
 import numpy as np
@@ -62,15 +60,6 @@ def main(car_file: str, law_file: str, seconds: str, out: str) -> None:
 
 
 if __name__ == "__main__":
-    # PythonFMU 0.7.0 has a thread of its own, for which a host that is itself Python may wait for ever, or crash, where
-    # it frees the units or ends: so neither is done.
-    status = 1
-    try:
-        main(*sys.argv[1:])
-        status = 0
-    except Exception:
-        traceback.print_exc()
-    finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(status)
+    if len(sys.argv) != 5:
+        sys.exit(__doc__)
+    main(*sys.argv[1:])

@@ -34,7 +34,7 @@ class Drive:
     def __init__(self, database, name: str, timeout: float) -> None:
         self.timeout = timeout
         self.set_point = database.get_message_by_name(f"{name}_SetPoint")
-        self.told = [(database.get_message_by_name(f"{name}_{kind}"), [0]) for kind in ("Motion", "Faults")]
+        self.feedback = [(database.get_message_by_name(f"{name}_{kind}"), [0]) for kind in ("Motion", "Faults")]
         self.state, self.torque, self.heard, self.command = DISABLED, 0.0, 0.0, {"Controlword": 0, "Torque": 0.0}
         self.last_counter, self.reset, self.timed_out = -1, False, False
 
@@ -68,7 +68,7 @@ class Drive:
     def frames(self, tick: int) -> list[can.Message]:
         """Motion each millisecond, faults each ten."""
         found = []
-        for (message, counter), every in zip(self.told, (1, 10), strict=True):
+        for (message, counter), every in zip(self.feedback, (1, 10), strict=True):
             if tick % every:
                 continue
             values = {signal.name: 0 for signal in message.signals} | {"Counter": counter[0]}

@@ -69,7 +69,6 @@ setup(
         "can": [f"ev_core[can]=={VERSION}"],
         "cluster": ["dask", "distributed"],
         "dashboard": ["tornado>=6.4"],
-        "fmu": ["pythonfmu==0.7.*"],
         "frame": ["pandas"],
         "gymnasium": ["gymnasium>=1.0"],
         "parquet": ["pyarrow"],

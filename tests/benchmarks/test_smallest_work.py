@@ -22,6 +22,7 @@ BENCHMARKS = {
         *("--steps", "20", "--repeats", "1", "--only"),
         *("raw_pattern_of_processes", "raw_ring_in_one_process", "offline"),
     ),
+    "native": ("--repeats", "1", "--seconds", "0.1", "shchur2019"),
     "plant": ("--repeats", "1"),
     "relays": ("--help",),  # started by lockstep
     "soak": ("--steps", "40", "--one-process-steps", "0"),

@@ -41,6 +41,16 @@ CHOICES: dict[str, tuple[dict, ...]] = {
         {"first": "yaw", "wish": "angle", "understeer": 0.002},
         {"against": "both", "yaw_gain": 5000.0, "error_factor": 3.0},
     ),
+    "direct_yaw_moment": (
+        {"reference": "sideslip_limit", "controller": "super_twisting", "allocation": "least_squares", **ALL_DRIVEN},
+        {
+            "reference": "neutral",
+            "controller": "predictive",
+            "allocation": "load",
+            "estimation": "estimated",
+            **REAR_DRIVEN,
+        },
+    ),
     "drive_by_wire": ({"gain": 20.0, "brake.front_share": 0.3}, ALL_DRIVEN),
     "equal_torque": ({"vehicle.driven_wheels": ["rear_left"]}, ALL_DRIVEN),
     "limited_slip": ({"locking_ratio": 3.0, "locking_speed": 20.0}, ALL_DRIVEN),

@@ -13,7 +13,7 @@ import pytest
 import ev_sim
 from ev_sim.command_line.options import arguments
 from ev_sim.commands.run_scenario import REVIEWS
-from ev_sim.measured.record import read_record
+from ev_sim.measured.records.mapping import read_record
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.study.run_study import arguments as arguments_of_study
 from ev_sim.study.study import study_names

@@ -6,6 +6,7 @@ import inspect
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -91,9 +92,9 @@ def test_a_data_frame_has_the_units_of_its_columns(result, monkeypatch):
 
 
 def test_a_data_frame_needs_pandas(result, monkeypatch):
-    """It is not among what the packages need; the error is Python's own, which names it."""
+    """It is no requirement of the packages, but an extra, which the error names."""
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(ImportError, match="pandas"):
+    with pytest.raises(ImportError, match=r"pip install .ev_sim\[frame\]"):
         result.data_frame()
 
 
@@ -122,6 +123,10 @@ def test_a_batch_is_the_runs_one_by_one():
     end = {"end": last("twist.longitudinal")}
     found = ev_sim.batch("shchur2019", vary={"plant.initial_speed": speeds}, metrics=end, duration="200 ms")
     assert repr(found) == "BatchResult of end (2,); 0 failed"
+    assert (
+        repr(replace(found, metrics={}))
+        == "BatchResult of nothing, as neither metrics nor signals were named; 0 failed"
+    )
     for i, speed in enumerate(speeds):
         alone = ev_sim.run("shchur2019", set={"plant.initial_speed": speed}, duration=0.2)
         assert found.metrics["end"][i] == alone.signals["twist.longitudinal"][-1] != 0.0

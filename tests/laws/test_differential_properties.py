@@ -37,12 +37,13 @@ CHOICES: dict[str, tuple[dict, ...]] = {
     "wheel_speed": ({"mean": "speed"},),
 }
 # These give less than asked for where grip or motor end, or another sum to reach slips or speeds.
-LIMITING = ("adhesion_share", "open_differential", "slip_target", "wheel_speed")
+LIMITING = ("adhesion_share", "direct_yaw_moment", "open_differential", "slip_target", "wheel_speed")
 FRONT_LAYOUTS = (FRONT, ("front_left", "front_right", "rear_left"), WHEEL_NAMES)
 ANY_LAYOUTS = (*FRONT_LAYOUTS, REAR, ("rear_left",))
 LAYOUTS = {
     "axle_redistribution": (WHEEL_NAMES,),
     "course_stability": (FRONT,),
+    "direct_yaw_moment": (*FRONT_LAYOUTS, REAR),
     "drive_by_wire": FRONT_LAYOUTS,
     "power_steering": FRONT_LAYOUTS,
     "slip_target": (REAR,),
@@ -60,8 +61,8 @@ MIRRORED = [
 ]
 
 
-def test_all_fifteen_are_asked():
-    assert len(CARS) == 15
+def test_all_sixteen_are_asked():
+    assert len(CARS) == 16
 
 
 @pytest.mark.parametrize("name", CARS)

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 
+import coverage_of_intervals
 import numpy as np
 import pytest
 from measured.made_records import CAR, columns_of, driven, write
 
 from ev_core.vehicle.tyre import MF_NAMES
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.measured.free_parameters import FreeParameter, free_parameters
+from ev_sim.measured.identification import Residuals
 from ev_sim.measured.intervals import in_words, knowledge
+from ev_sim.measured.journal import Journal
 from ev_sim.measured.open_loop import graph
 from ev_sim.scenarios.about import vehicle_of
 from ev_sim.scenarios.scenario import Overrides
@@ -57,6 +61,58 @@ def test_a_simulated_car_with_noise_gives_back_its_parameters_within_their_inter
     assert again["errors"]["twist.yaw_rate"]["rms"] == pytest.approx(errors["rms_after"], rel=1e-3)
 
 
+def test_a_search_that_was_stopped_goes_on_with_the_same_bits(tmp_path, monkeypatch, capsys):
+    """Stopped in its fifth evaluation: the first four are taken from the journal, then it is gone; a torn end is not.
+
+    Another record takes none.
+    """
+    asked, computed = [], Residuals._computed
+
+    def stopped_in_the_fifth(self: Residuals, points: np.ndarray) -> np.ndarray:
+        asked.append(len(points))
+        if len(asked) == 5:
+            raise KeyboardInterrupt
+        return computed(self, points)
+
+    record = str(write(tmp_path, columns_of(driven(), noise=0.01)))
+    of = ["identify", record, "--vehicle", CAR, "--window", "2", "--free", "vehicle.yaw_inertia", "--no-report"]
+    of += ["--steps", "3", "--set", "*.vehicle.yaw_inertia=3000.0"]
+    main([*of, "--out", str(tmp_path / "whole")])
+    monkeypatch.setattr(Residuals, "_computed", stopped_in_the_fifth)
+    with pytest.raises((KeyboardInterrupt, SystemExit)):
+        main([*of, "--out", str(tmp_path / "stopped")])
+    journal = tmp_path / "stopped" / "search.journal"
+    torn = journal.read_bytes()
+    capsys.readouterr()
+    main([*of, "--out", str(tmp_path / "stopped")])
+    assert "went on behind 4 evaluations" in capsys.readouterr().out
+    assert not journal.exists()
+    texts = [(tmp_path / each / "vehicle.yaml").read_text().splitlines()[2:] for each in ("whole", "stopped")]
+    assert texts[0] == texts[1]
+    other = Journal(tmp_path / "other", "another key")
+    assert other.taken == 0
+    (tmp_path / "torn").write_bytes(torn[:-100])
+    again = Journal(tmp_path / "torn", torn[:64].decode())
+    answers = [again.answer(np.full((1, 1), -1.0), lambda points: 2.0 * points) for _ in range(2)]
+    assert [each.item() for each in answers] == [-2.0, -2.0]
+    assert again.taken == 0
+
+
+def test_the_tool_that_counts_held_intervals_starts(capsys):
+    coverage_of_intervals.main(["--seeds", "1", "--duration", "4.5", "--window", "1"])
+    assert "vehicle.yaw_inertia: held by" in capsys.readouterr().out
+
+
+def test_few_windows_do_not_make_an_interval_narrower_than_its_deviation():
+    """Three windows, of which each draw of the bootstrap has at most three: at least 1.96 deviations to either side."""
+    random = np.random.Generator(np.random.PCG64(2))
+    derivatives, residuals = random.standard_normal((3, 50, 1)), random.standard_normal((3, 50))
+    known = knowledge(residuals, derivatives, np.ones(1), [FreeParameter("a", "1", 0.0, 2.0, 1.0, 1.0)], 1.0, 0)
+    (low, high), (deviation,) = known.interval[0], known.deviation
+    assert low <= 1.0 - 1.96 * deviation
+    assert high >= 1.0 + 1.96 * deviation
+
+
 def test_what_cannot_be_told_is_named_by_its_parameters():
     """Two parameters of which only the sum acts: their difference is unknown, their deviation that of the prior."""
     random = np.random.Generator(np.random.PCG64(1))
@@ -85,7 +141,12 @@ def test_a_free_parameter_that_cannot_be_free_is_refused(name, message):
         (free,) = free_parameters([name], graph(CAR, 0.01, Overrides()))
         assert (free.low, free.high, free.scale) == (free.start / 10, free.start * 10, free.start)
         return
-    from ev_msgs_py.refusal import ParameterError
-
     with pytest.raises(ParameterError, match=message):
         free_parameters([name], graph(CAR, 0.01, Overrides()))
+
+
+def test_a_group_that_the_tyres_do_not_have_is_refused_with_the_one_that_they_have():
+    message = "front_mf, allowed is a car with tyres of curve mf_tyre; of others the group curve$"
+    with pytest.raises(ParameterError, match=message):
+        free_parameters(["tyres"], graph("audi_a2", 0.01, Overrides()))
+    assert len(free_parameters(["curve"], graph("audi_a2", 0.01, Overrides()))) == 3

@@ -8,7 +8,8 @@ from measured.made_records import CHANNELS, MAPPING, columns_of, driven, write
 
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measured.open_loop import windows_of
-from ev_sim.measured.record import SIDESLIP, read_record
+from ev_sim.measured.records.mapping import read_record
+from ev_sim.measured.records.record import SIDESLIP
 
 
 @pytest.mark.parametrize("name", ["made.csv", "made.csv.xz"])
@@ -44,6 +45,10 @@ def test_a_short_spike_is_bridged_and_a_gap_is_masked(tmp_path):
     assert record.valid[750:].all()
     begins = windows_of(record, 2.0).first
     assert begins.tolist() == [0, 200, 400, 750, 950]
+    with pytest.raises(
+        ParameterError, match=r"^no window of 5 s without a gap from 8\.0 s to 12\.0 s of .*made\.csv, allowed is a"
+    ):
+        windows_of(record, 5.0, 2 / 3)
     assert record.notes == ("51 instants in 2 jumps and gaps, 1 of them bridged, 1 masked",)
 
 
@@ -53,7 +58,7 @@ def test_a_short_spike_is_bridged_and_a_gap_is_masked(tmp_path):
         (("column: r,", "column: rr,"), "unknown column of"),
         (("unit: deg/s", "unit: furlong"), "unit"),
         (("twist.yaw_rate", "twist.yawrate"), "unknown channel"),
-        (("time: {column: t, unit: ms}", ""), "time, channels"),
+        (("time: {column: t, unit: ms}", ""), "needs time"),
         (("frame: sae", "frame: left"), "frame"),
     ],
 )

@@ -244,6 +244,7 @@ def test_series_of_a_study_are_signals_without_a_car(tmp_path: Path):
     assert [group["title"] for group in data.index["groups"]] == ["measured"]
     assert [plot["unit"] for plot in data.index["groups"][0]["plots"]] == ["m"]
     assert data.index["runs"][0]["spun"]
+    assert data.index["runs"][0]["stroke"] is None  # alone it needs no colour of its own
     assert measured_signals({"a": {"peak": 3.0}}, {}, ()) == ()
 
 

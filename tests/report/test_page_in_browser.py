@@ -16,6 +16,7 @@ from accessibility import CONTROLS_WITHOUT_NAME, TEXT_OF_POOR_CONTRAST
 from pages import GAP, RADIUS, page_of, two_runs
 from pictures.browser import FOUND, Browser
 
+from ev_sim.figures.strokes import strokes_of
 from ev_sim.recording.recording import Recording
 from ev_sim.report.page.writing import Page, Signals, write_page
 
@@ -32,7 +33,7 @@ const legendOf = (channel) => [...shown(channel).root.querySelectorAll(".u-value
 """
 CHANNELS = 20  # of the page that is printed: more than are in sight
 BLUE = rb"\b0 \.447\d* \.698\d* RG"  # the first stroke of plots.js, #0072B2, in a PDF
-TORQUE, YAW_RATE = "driver.command.drive_torque", "imu.yaw_rate"
+TORQUE, YAW_RATE, WHEEL = "driver.command.drive_torque", "imu.yaw_rate", "wheel_states.velocity.front_left"
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +55,16 @@ def look_at(browser: Browser, channel: str) -> None:
 
 def show(browser: Browser, first: int, second: int, how: str) -> None:
     browser.run(f"bar.first.value = {first}; bar.second.value = {second}; bar.how.value = '{how}'; show()")
+
+
+def strokes_on(browser: Browser, channel: str) -> list[list[str]]:
+    """Colour and dashes of each curve in the plot of a channel, as they were drawn."""
+    assert browser.run(
+        f"shown('{channel}').series.slice(1).every((series, n) => {{"
+        f"const [c, d] = holderOf('{channel}').curves[n].stroke;"
+        "return series.stroke() === c && series.dash.join() === DASHES[d].join(); })"
+    )
+    return browser.run(f"holderOf('{channel}').curves.map((curve) => curve.stroke)")
 
 
 def place_on(browser: Browser, channel: str, time: float) -> dict[str, Any]:
@@ -117,10 +128,24 @@ def test_the_difference_is_second_minus_first(browser: Browser):
     assert np.abs(np.array(ours) - 2.0 * two_runs()["slow"].time).max() < 1e-5
 
 
-def test_over_each_other_both_runs_are_in_one_plot(browser: Browser):
+def test_over_each_other_both_runs_are_in_one_plot_each_in_its_colour(browser: Browser):
+    """That of the figures; wheels of one run have the colours of their places, those of two runs only their dashes."""
+    of_runs = [list(stroke) for name, stroke in strokes_of(["slow", "fast one"]).items() if name]
+    assert browser.run("INDEX.runs.map((run) => run.stroke)") == of_runs
+    colours = [colour for colour, _ in of_runs]
     show(browser, 0, 1, "over")
     look_at(browser, TORQUE)
     assert browser.run(f"shown('{TORQUE}').series.map((series) => series.label)") == ["time", "slow", "fast one"]
+    assert strokes_on(browser, TORQUE) == of_runs
+    look_at(browser, WHEEL)
+    over = strokes_on(browser, WHEEL)
+    assert [colour for colour, _ in over] == [colours[0]] * 4 + [colours[1]] * 4
+    assert [dashes for _, dashes in over] == ["-", "--", ":", "-."] * 2
+    show(browser, 1, -1, "beside")
+    look_at(browser, TORQUE)
+    look_at(browser, WHEEL)
+    assert strokes_on(browser, TORQUE) == of_runs[1:]
+    assert strokes_on(browser, WHEEL) == browser.run("STROKES")
 
 
 def test_time_runs_and_the_car_moves(browser: Browser):

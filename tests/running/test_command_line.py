@@ -40,7 +40,7 @@ def test_a_name_alone_runs_the_scenario_as_its_files_say():
 
 
 def test_what_the_options_mean():
-    words = ["shchur2019", "--offline", "--params", "a.yaml", "--params", "b.yaml", "--duration", "2.5", "--out", "x"]
+    words = ["shchur2019", "--offline", "--params", "a.yaml", "--params", "b.yaml", "--duration", "2.5 s", "--out", "x"]
     given = arguments([*words, "--no-record", "--seed", "7"])
     assert (given.offline, given.no_record, given.out) == (True, True, Path("x"))
     said = overrides(given)
@@ -116,7 +116,7 @@ def test_a_node_of_ones_own_is_a_command_with_its_arguments():
         (["a", "--offline", "--node", "asr=x"], "--node starts a process"),
         (["a", "--in-process", "--node", "asr=x"], "--node starts a process"),
         (["a", "--seed", "1.5"], "invalid int value: '1.5'"),
-        (["a", "--duration", "long"], "invalid float value: 'long'"),
+        (["a", "--duration", "long"], "argument --duration: 'long' is refused, allowed is a number of seconds"),
         (["a", "--set"], "expected one argument"),
     ],
 )

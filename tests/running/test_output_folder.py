@@ -151,7 +151,7 @@ COMMANDS = (
     ("run", "report", "{driven}", "--out", "{out}/page.html"),
     ("run", "replay", "{driven}", "--node", "asr=off", *SHORT, "--out", "{out}"),
     ("parameters", "coast_down", "--out", "{out}"),
-    ("fmu", "shchur2019", "--out", "{out}/car.fmu"),
+    ("fmu", "shchur2019", "--only", "driver", "--target", "x86_64-linux", "--out", "{out}/car.fmu"),
 )
 
 

@@ -76,7 +76,7 @@ def test_what_a_node_shows_of_its_own_seed_is_what_it_was_told():
     plant = configure("plant", {"method": "planar", "road.pattern": "random", "seed": 5})
     again = plant.changed({"step": 5e-4})
     assert plant.values()["road.seed"] == again.values()["road.seed"] == 1
-    assert again.told.road == plant.told.road != plant.parameters.road
+    assert again.given.road == plant.given.road != plant.parameters.road
 
 
 @settings(max_examples=50, derandomize=True, deadline=None)
@@ -111,7 +111,7 @@ def test_roads_of_two_seeds_are_independent():
 
 def test_batches_are_the_runs_one_by_one_whatever_is_random():
     """Roads, faults and sensors, at four seeds."""
-    values = {name: value for told, _ in STREAMS.values() for name, value in told.items()}
+    values = {name: value for given, _ in STREAMS.values() for name, value in given.items()}
     values["plant.faults"] = ["lost wheel_states 0.333 from 0.1", "noisy imu.yaw_rate 0.1"]
     channel = "wheel_states.velocity.front_left"
     changed = {"set": CAR | values, "duration": 0.5}
@@ -143,6 +143,6 @@ def test_episodes_of_a_learner_have_other_roads_by_seed_however_large():
     for seed in (1, 2, 2**31 - 1, 2**31, 2**40, 2**31):
         environment.reset(seed=seed)
         environment.step(np.array([500.0, 500.0]))
-        hashes.append(environment.simulation.configurations["plant"].told.road.seed)
+        hashes.append(environment.simulation.configurations["plant"].given.road.seed)
     assert len(set(hashes)) == 5
     assert hashes[3] == hashes[5]

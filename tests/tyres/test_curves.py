@@ -17,6 +17,7 @@ from ev_sim.tyres.curve import (
     FRICTION_CURVES,
     Coefficients,
     burckhardt,
+    dry_friction,
     friction,
     magic_formula,
     peak,
@@ -31,6 +32,7 @@ TYRES = {
     "two_exponential": (0.35, 0.05, 0.15, 0.0),
     "magic_formula": (10.0, 1.6, 0.9, 0.5),
     "linear": (20.0, 0.0, 0.0, 0.0),
+    "dry_friction": (1.0, 0.1, 0.7, 0.3),
 }
 SIMPLE = [curve for curve in FRICTION_CURVES if curve != "mf_tyre"]
 
@@ -66,6 +68,18 @@ def test_two_exponential_full_slip():
 def test_magic_formula_slope():
     """Slope at the origin B C D."""
     assert magic_formula(1e-6, 10.0, 1.6, 0.9, 0.5) / 1e-6 == pytest.approx(14.4, rel=1e-6)
+
+
+def test_dry_friction_is_that_of_limit_by_s_triple():
+    """PlanarMechanics: y = (3 x - x^3)/2 between -x_max and x_max, then level with y_sat; at 60 m/s as at 6 m/s."""
+    use = [dry_friction(v, 1.0, 0.1, 0.7, 0.3) for v in (0.0, 0.05, 0.1, 0.2, 0.3, 5.0)]
+    assert use == pytest.approx([0.0, 0.6875, 1.0, 0.85, 0.7, 0.7], abs=1e-12)
+    tyre = namespace(number_tree(Tyre(curve="dry_friction", coefficients=TYRES["dry_friction"])))
+    pushed = [
+        slip_vector(tyre, on_road("dry_friction", "dry_asphalt"), (0.03, 0.04), speed, (0.0, 0.0))[0] * 0.05 / speed
+        for speed in (6.0, 60.0)
+    ]
+    assert pushed == pytest.approx([0.6875] * 2, rel=1e-12)
 
 
 def on_road(curve: str, surface: str) -> Coefficients:

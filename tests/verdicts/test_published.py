@@ -128,7 +128,7 @@ def test_what_is_in_braces_is_a_text_or_a_measure(listed, tmp_path: Path):
         ({"note": "assumption: {lenght}"}, "unknown measure 'lenght'"),
         ({"kind": "guessed"}, "kind 'guessed' is refused, allowed is printed, follows, words, axes, lost"),
         ({"driven": "urban_mixed --speed 3"}, "what is driven: '--speed 3' is refused, allowed is a scenario with"),
-        ({"driven": "urban_mixed --duration long"}, "what is driven: argument --duration: invalid float value"),
+        ({"driven": "urban_mixed --duration long"}, "what is driven: argument --duration: 'long' is refused"),
         ({"driven": "urban_mixed --set speed"}, "--set 'speed' is refused, allowed is NODE.PARAM=VALUE"),
         ({"measure": "", "unit": "", "value": "", "tolerance": "", "why": ""}, "nothing is measured, allowed is that"),
     ],

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from documentation import (
     architecture,
+    benchmark_board,
     can_reference,
     comparisons,
     metric_reference,
@@ -67,6 +68,7 @@ PAGES = {
     HASHES: (RESULTS,),
     SHCHUR: (RESULTS, CONTROL_PERIODS),
     verdict_tables.PAGE: verdict_tables.PARTS,  # made from runs, too
+    benchmark_board.PAGE: benchmark_board.PARTS,  # the same
     **{name: (RESULTS, *page.studies, *page.tables) for name, page in SCENARIO_PAGES.items()},
     **{name: (*studies, *STUDY_TABLES.get(name, {})) for name, studies in STUDY_PAGES.items()},
 }

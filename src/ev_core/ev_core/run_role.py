@@ -81,7 +81,7 @@ def hidden_node(name: str, context: Context | None) -> Node:
 
 
 @contextmanager
-def told(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
+def given_parameters(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
     """The parameters that a node of this name is given; who makes a role's node learns from them which one.
 
     The node must be made within the block. A context whose last node goes leaves the graph, and when somebody leaves
@@ -102,7 +102,7 @@ def told(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
 
 
 def run_role(role: str) -> None:
-    """Play a role until the run is over or the process is told to stop; exit status 1 and one line on bad input."""
+    """Play a role until the run is over or the process is asked to stop; exit status 1 and one line on bad input."""
     run_node(role, lambda: make_node(role))
 
 
@@ -117,7 +117,7 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
         node, trouble = None, ""
         try:
             if others := remove_ros_args(sys.argv)[1:]:  # ROS would silently ignore them: no --ros-args before them
-                raise ValueError(f"unknown argument {quoted(others[0])}; what a node is told follows --ros-args")
+                raise ValueError(f"unknown argument {quoted(others[0])}; options of a node follow --ros-args")
             refuse_weak_security(os.environ)
             refuse_late_time_of_day()
             rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
@@ -173,7 +173,7 @@ def one_line(error: Exception) -> str:
     """
     if isinstance(error, rclpy_implementation.UnknownROSArgsError):
         return f"unknown ROS arguments {error}"
-    said = error.__context__ or error if isinstance(error, UnsupportedTypeSupport) else error
-    text = " ".join(re.sub(r", at /\S+:\d+", "", str(said)).split())
+    cause = error.__context__ or error if isinstance(error, UnsupportedTypeSupport) else error
+    text = " ".join(re.sub(r", at /\S+:\d+", "", str(cause)).split())
     trouble = too_late() if isinstance(error, rclpy_implementation.RCLError) else None
     return shown(text if trouble is None else f"{text}; {trouble}", LINE)

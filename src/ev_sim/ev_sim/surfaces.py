@@ -104,6 +104,8 @@ def tyre_on_road(tyre: Tyre, surface: str | Surface, rolling_resistance_scale: f
         c0, c1, c2, c3 = of.c1, of.c2, of.c3, 0.0
     elif curve in ("rational", "two_exponential"):
         c0 *= scale
+    elif curve == "dry_friction":
+        c0, c2 = scale * c0, scale * c2
     elif curve == "magic_formula":
         c2 *= scale
     available = of.peak_friction if curve == "linear" else peak(curve, (c0, c1, c2, c3))

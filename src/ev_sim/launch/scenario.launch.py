@@ -34,20 +34,20 @@ def nodes_of_run(context):
     )  # fmt: skip
     program = Path(get_package_prefix("ev_sim"), "lib", "ev_sim", "ev-stack")
     words = [str(program), "parameters", scenario, "--out", out, *shlex.split(options)]
-    said = json.loads(subprocess.check_output(words, text=True))
+    graph = json.loads(subprocess.check_output(words, text=True))
     shown = IfCondition(LaunchConfiguration("rviz"))
     nodes = [
         Node(
             **node,
-            namespace=said["namespace"],
-            parameters=[said["parameters"]],
+            namespace=graph["namespace"],
+            parameters=[graph["parameters"]],
             on_exit=Shutdown() if node["executable"] == "recorder" else None,
         )
-        for node in said["nodes"]
+        for node in graph["nodes"]
     ]
     view = {"package": "ev_sim", "executable": "ev-stack", "arguments": ["visualization"]}
     return [
         *nodes,
-        Node(**view, namespace=said["namespace"], condition=shown),
-        Node(package="rviz2", executable="rviz2", arguments=["-d", said["rviz"]], condition=shown),
+        Node(**view, namespace=graph["namespace"], condition=shown),
+        Node(package="rviz2", executable="rviz2", arguments=["-d", graph["rviz"]], condition=shown),
     ]

@@ -90,11 +90,11 @@ def press_buttons(enable_tick: float, reset_tick: float, g: Gateway) -> None:
         g.waits = 1.0
 
 
-SAID = 2 * MOST_TICKS  # words of the set-points of a device
-_HEARD = SAID + 6  # words of its feedback
-HEARTBEATS = 2 * SAID  # where theirs stand; behind them come the set-points of the load machines
+SET_POINTS = 2 * MOST_TICKS  # words of the set-points of a device
+_FEEDBACK = SET_POINTS + 6  # words of its feedback
+HEARTBEATS = 2 * SET_POINTS  # where theirs stand; behind them come the set-points of the load machines
 LOADS = HEARTBEATS + 2
-ALL_SAID = LOADS + 2 * SAID
+ALL_SET_POINTS = LOADS + 2 * SET_POINTS
 
 
 class GatewayConstants(NamedTuple):
@@ -111,8 +111,8 @@ class LockstepGateway:
     """The gateway, and the frames of this period."""
 
     gateway: Gateway = part(Gateway)
-    said: list[float] = series(ALL_SAID, NO_FRAME, unit="1", about="as in SetPointFrames")
-    heard: list[float] = series(4 * _HEARD, NO_FRAME, unit="1", about="as in FeedbackFrames")
+    set_points: list[float] = series(ALL_SET_POINTS, NO_FRAME, unit="1", about="as in SetPointFrames")
+    feedback: list[float] = series(4 * _FEEDBACK, NO_FRAME, unit="1", about="as in FeedbackFrames")
     noted: list[float] = series(4, unit="1", about="faults of each device since the start, as `gateway.latched`")
 
 
@@ -164,7 +164,7 @@ def can(
     period: float,
     command: WheelTorqueCommand,
     load: LoadCommand,
-    heard: FeedbackFrames,
+    feedback: FeedbackFrames,
     shafts: BenchShafts,
 ) -> SetPointFrames:
     """Lead the inverters over CAN frames: torques and speeds out, feedback in, both guarded by counter and CRC.
@@ -172,29 +172,29 @@ def can(
     The frames of the ticks to come leave in them, one after the other; feedback came in the ticks before.
     """
     g, f = s.gateway, c.frames
-    s.heard[:] = heard
+    s.feedback[:] = feedback
     command_drives(p, g, command)
     command_loads(p, g, load)
-    s.said[HEARTBEATS] = s.said[HEARTBEATS + 1] = NO_FRAME
+    s.set_points[HEARTBEATS] = s.set_points[HEARTBEATS + 1] = NO_FRAME
     for tick in range(int(c.ticks)):
         press_buttons(c.enable_tick, c.reset_tick, g)
         _hear(f, f.drive_11, g.drive_11, s, 0, tick)
-        _hear(f, f.drive_12, g.drive_12, s, _HEARD, tick)
-        _hear(f, f.load_11, g.load_11, s, 2 * _HEARD, tick)
-        _hear(f, f.load_12, g.load_12, s, 3 * _HEARD, tick)
+        _hear(f, f.drive_12, g.drive_12, s, _FEEDBACK, tick)
+        _hear(f, f.load_11, g.load_11, s, 2 * _FEEDBACK, tick)
+        _hear(f, f.load_12, g.load_12, s, 3 * _FEEDBACK, tick)
         if tick == int(c.ticks) - 1:
             watch_bench(p, car.motor.rotor_inertia, g, load, shafts, period)
         before = g.tick
         leading.advance_gateway(p, g, 1.0, frames.TICK)
         _say(f, f.drive_11, g.drive_11, s, p.torque_limit, 2 * tick)
-        _say(f, f.drive_12, g.drive_12, s, p.torque_limit, SAID + 2 * tick)
+        _say(f, f.drive_12, g.drive_12, s, p.torque_limit, SET_POINTS + 2 * tick)
         _say(f, f.load_11, g.load_11, s, p.load_torque_limit, LOADS + 2 * tick)
-        _say(f, f.load_12, g.load_12, s, p.load_torque_limit, LOADS + SAID + 2 * tick)
+        _say(f, f.load_12, g.load_12, s, p.load_torque_limit, LOADS + SET_POINTS + 2 * tick)
         if frames.is_due(f.heartbeat.ticks, before, g.tick):
             for place in range(2):
-                s.said[HEARTBEATS + place] = words(leading.heartbeat(f, g, place))[0]
+                s.set_points[HEARTBEATS + place] = words(leading.heartbeat(f, g, place))[0]
     note_faults(s)
-    w = s.said
+    w = s.set_points
     return SetPointFrames(
         w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10],
         w[11], w[12], w[13], w[14], w[15], w[16], w[17], w[18], w[19], w[20], w[21],
@@ -219,21 +219,21 @@ def _hear(
     """The frame of a tick, and with the first one those that come less often."""
     _take(f, own, s, leading.MOTION, of, begin + 2 * tick)
     if tick == 0:
-        _take(f, own, s, leading.ELECTRICAL, of, begin + SAID)
-        _take(f, own, s, leading.TEMPERATURES, of, begin + SAID + 2)
-        _take(f, own, s, leading.FAULTS, of, begin + SAID + 4)
+        _take(f, own, s, leading.ELECTRICAL, of, begin + SET_POINTS)
+        _take(f, own, s, leading.TEMPERATURES, of, begin + SET_POINTS + 2)
+        _take(f, own, s, leading.FAULTS, of, begin + SET_POINTS + 4)
 
 
 @compilable
 def _take(
     f: frames.BenchFrames, own: frames.DeviceFrames, s: Device, kind: int, of: LockstepGateway, place: int
 ) -> None:
-    if are_words(of.heard[place], of.heard[place + 1]):
-        leading.receive_feedback(f, own, s.feedback, kind, joined(of.heard[place], of.heard[place + 1]))
+    if are_words(of.feedback[place], of.feedback[place + 1]):
+        leading.receive_feedback(f, own, s.feedback, kind, joined(of.feedback[place], of.feedback[place + 1]))
 
 
 @compilable
 def _say(
     f: frames.BenchFrames, own: frames.DeviceFrames, s: Device, to: LockstepGateway, most: float, place: int
 ) -> None:
-    to.said[place], to.said[place + 1] = words(leading.set_point(f, own, s, most))
+    to.set_points[place], to.set_points[place + 1] = words(leading.set_point(f, own, s, most))

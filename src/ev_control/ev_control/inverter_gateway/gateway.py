@@ -117,11 +117,11 @@ def watch(
     It is latched while the drive is to be enabled, and before that keeps it from being enabled.
     """
     f = s.feedback
-    said = f.torque_sum / f.torque_count if f.torque_count > 0.0 else f.torque
+    reported = f.torque_sum / f.torque_count if f.torque_count > 0.0 else f.torque
     # Until it is enabled, a shaft that the load machine still brings to its speed is in doubt, too.
     inside = torque + (rotor * (speed - s.watched_speed) / period if s.enable != 0.0 else 0.0)
     f.torque_sum, f.torque_count, s.watched_speed = 0.0, 0.0, speed
-    apart = abs(inside - said) > p.torque or abs(speed - wheel) > p.speed
+    apart = abs(inside - reported) > p.torque or abs(speed - wheel) > p.speed
     s.doubtful_time = s.doubtful_time + period if apart else 0.0
     if s.enable != 0.0 and s.doubtful_time >= p.time - 0.5 * period:
         s.implausible = 1.0

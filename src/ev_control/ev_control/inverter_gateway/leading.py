@@ -106,7 +106,7 @@ def advance_device(p: GatewayParameters, s: Device, period: float) -> None:
     if s.reset_time >= 0.0:
         _advance_reset(p, s, state, period)
     elif s.enable != 0.0:
-        if s.feedback.age >= p.feedback_timeout - 0.5 * period:  # not to hang on how the age was rounded
+        if s.feedback.age >= p.feedback_timeout - 0.5 * period:  # independent of how the age was rounded
             s.stale = 1.0
         elif state in (drive_states.FAULT, drive_states.FAULT_REACTION_ACTIVE):
             s.tripped = 1.0

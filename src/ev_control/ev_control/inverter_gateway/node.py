@@ -9,7 +9,7 @@ from ev_core.bus.channel import Channels
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.inbox import HoldingInbox
 from ev_core.nodes.bus_nodes import BusNode, RoleOnBus
-from ev_core.run_role import make_node, run_node, told
+from ev_core.run_role import given_parameters, make_node, run_node
 from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 
@@ -80,7 +80,7 @@ class GatewayRoleOnBus(RoleOnBus):
 
 def make(**node_arguments: Any) -> Any:
     """The node: of a role in lockstep, of one in real time, or without a graph, where no method is given."""
-    with told(_ROLE, **node_arguments) as given:
+    with given_parameters(_ROLE, **node_arguments) as given:
         if given.get("mode") == "realtime" and given.get("method", _METHOD) == _METHOD:
             return GatewayRoleOnBus(**node_arguments)
         in_graph = "method" in given or given.get("mode") == "lockstep"

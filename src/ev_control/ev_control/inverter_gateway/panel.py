@@ -81,7 +81,7 @@ class FeedbackPublisher:
             for what in ("winding", "inverter")
         }
         self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", _QUEUE)
-        self._said: list[tuple[int, str]] = []
+        self._reported: list[tuple[int, str]] = []
 
     def publish_motion(self, devices: Mapping[str, Device]) -> None:
         """Torque and speed at the shafts of all devices."""
@@ -107,10 +107,10 @@ class FeedbackPublisher:
     def diagnose(self, devices: Mapping[str, Device], feedback_timeout: float, anyway: bool) -> None:
         """Say how every device is, if it has changed or `anyway`."""
         found = {name: diagnosis(device, feedback_timeout) for name, device in devices.items()}
-        said = [(each.level, each.message) for each in found.values()]
-        if said == self._said and not anyway:
+        reported = [(each.level, each.message) for each in found.values()]
+        if reported == self._reported and not anyway:
             return
-        self._said = said
+        self._reported = reported
         report = DiagnosticArray()
         report.header.stamp = self._now()
         for name, each in found.items():

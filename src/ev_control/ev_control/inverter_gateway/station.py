@@ -105,7 +105,7 @@ class GatewayStation:
         return Frame(int(self._frames.ecu), payload.to_bytes(int(self._frames.heartbeat.length), "little"))
 
 
-_PLACES = (0, can.SAID, can.LOADS, can.LOADS + can.SAID)  # of the devices' set-points in SetPointFrames
+_PLACES = (0, can.SET_POINTS, can.LOADS, can.LOADS + can.SET_POINTS)  # of the devices' set-points in SetPointFrames
 
 
 class GatewayOnBus(LawObject):
@@ -172,18 +172,18 @@ class GatewayOnBus(LawObject):
             self._heard_before[place] = now
         can.watch_bench(p, self.given["car"].motor.rotor_inertia, g, load, shafts, self._period)
         can.note_faults(self.given["s"])
-        return SetPointFrames(*self._said())
+        return SetPointFrames(*self._sent())
 
-    def _said(self) -> list[float]:
-        said = [NO_FRAME] * can.ALL_SAID
+    def _sent(self) -> list[float]:
+        sent = [NO_FRAME] * can.ALL_SET_POINTS
         for begin, payloads in self._set_points.items():
             for tick, payload in enumerate(payloads):
-                said[begin + 2 * tick : begin + 2 * tick + 2] = words(payload)
+                sent[begin + 2 * tick : begin + 2 * tick + 2] = words(payload)
             payloads.clear()
         for place, payload in self._heartbeats.items():
-            said[can.HEARTBEATS + place] = words(payload)[0]
+            sent[can.HEARTBEATS + place] = words(payload)[0]
         self._heartbeats.clear()
-        return said
+        return sent
 
     def goes_on(self) -> None:
         """Time has begun."""

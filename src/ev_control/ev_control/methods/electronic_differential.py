@@ -1,6 +1,7 @@
 """Registers the electronic differentials."""
 
 from ev_control.electronic_differential import (  # noqa: F401
+    direct_yaw_moment,
     mechanical,
     neutral_steering,
     rear_targets,

@@ -54,7 +54,7 @@ class LostMotors:
 
     most: list[float] = per_wheel(unit="N m", about="torque at the wheel by the commands up to now, forwards at most")
     least: list[float] = per_wheel(unit="N m", about="the same backwards, never positive")
-    told: list[float] = per_wheel(unit="N m", about="the same of a slow drive that nothing limits, of either sign")
+    commanded: list[float] = per_wheel(unit="N m", about="the same of a slow drive that nothing limits, of either sign")
     deviates: list[float] = per_wheel(unit="s", about="for how long it has not been plausible, less how long it has")
     agrees: list[float] = per_wheel(unit="s", about="for how long it has been plausible, since it was lost")
     lost: list[float] = per_wheel(unit="1", about="1 while the motor counts as lost")
@@ -99,7 +99,7 @@ def deviation(p: LostMotorParameters, s: LostMotors, wheels: WheelStates, i: int
     """
     gives, less, beyond = measured(wheels, i), 0.0, 0.0
     if due > 0.0:
-        less = (due - copysign(1.0, s.told[i]) * gives) / (p.tolerance + p.share * due)
+        less = (due - copysign(1.0, s.commanded[i]) * gives) / (p.tolerance + p.share * due)
     if gives > s.most[i]:
         beyond = (gives - s.most[i]) / (p.tolerance + p.share * s.most[i])
     elif gives < s.least[i]:
@@ -116,21 +116,21 @@ def due_torque(p: LostMotorParameters, car: Car, s: LostMotors, wheels: WheelSta
     from a motor that is not lost beside a partner that is lost, or whose command is of the other kind; nor from any
     motor before it must have left the other direction.
     """
-    j, ahead = PARTNERS[i], copysign(1.0, s.told[i])
-    told, told_partner, gives = abs(s.told[i]), ahead * s.told[j], max(ahead * measured(wheels, j), 0.0)
+    j, ahead = PARTNERS[i], copysign(1.0, s.commanded[i])
+    commanded, partner, gives = abs(s.commanded[i]), ahead * s.commanded[j], max(ahead * measured(wheels, j), 0.0)
     outer, other = (s.most[i], -s.least[i]) if ahead > 0.0 else (-s.least[i], s.most[i])
     outer_partner = s.most[j] if ahead > 0.0 else -s.least[j]  # of which it may still give more than its command now
     outer *= car.motor.gear_efficiency * car.motor.gear_efficiency
     outer_partner *= car.motor.gear_efficiency * car.motor.gear_efficiency
-    due, most = told, lasting_torque(p, car, wheels.velocity[i], ahead)
-    if s.lost[j] == 0.0 and told_partner > p.tolerance:
+    due, most = commanded, lasting_torque(p, car, wheels.velocity[i], ahead)
+    if s.lost[j] == 0.0 and partner > p.tolerance:
         # A small torque shows little of a large one.
-        due = min(told, 2.0 * told_partner) * min(gives / max(outer_partner, told_partner), 1.0)
-        if gives + p.tolerance + p.share * told_partner < told_partner and s.lost[i] == 0.0:
+        due = min(commanded, 2.0 * partner) * min(gives / max(outer_partner, partner), 1.0)
+        if gives + p.tolerance + p.share * partner < partner and s.lost[i] == 0.0:
             most = min(most, gives)
     elif s.lost[i] == 0.0:
         return 0.0
-    reached = told / outer if outer > 0.0 else 0.0  # by the lag, of whatever it goes for
+    reached = commanded / outer if outer > 0.0 else 0.0  # by the lag, of whatever it goes for
     return max(min(due, reached * most) - other, 0.0)
 
 
@@ -173,8 +173,8 @@ def expect(
         s.most[i] = max(forwards, s.most[i] + share * (forwards - s.most[i]))
         s.least[i] = min(backwards, s.least[i] + share * (backwards - s.least[i]))
         goal = efficiency * (max(low, 0.0) + min(high, 0.0))
-        from_rest = s.told[i] if s.told[i] * goal > 0.0 else 0.0
-        s.told[i] = goal if abs(goal) < abs(from_rest) else from_rest + share * (goal - from_rest)
+        from_rest = s.commanded[i] if s.commanded[i] * goal > 0.0 else 0.0
+        s.commanded[i] = goal if abs(goal) < abs(from_rest) else from_rest + share * (goal - from_rest)
     s.known = 1.0
 
 

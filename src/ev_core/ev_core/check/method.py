@@ -42,8 +42,8 @@ def check_method(
     is false, for values that leave some out.
     """
     configuration = configure(role, {"method": name, **(values or {})})
-    for said in values or {}:
-        refuse_unused(said, [configuration])
+    for each in values or {}:
+        refuse_unused(each, [configuration])
     return check_configuration(configuration, seeds=seeds, steps=steps, inputs=inputs, mirrored=mirrored, whole=whole)
 
 

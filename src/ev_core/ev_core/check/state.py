@@ -97,7 +97,7 @@ def not_finite(subject: Subject, seed: int) -> str:
         try:
             raw = stepped(part, here)
         except Exception as error:  # whatever a stranger's law raises is a finding
-            return f"plausible inputs, step {step}: {_said(error)}"
+            return f"plausible inputs, step {step}: {_one_line(error)}"
         if negative := _negative(subject, raw):
             return f"plausible inputs, step {step}: {negative}"
     return "plausible inputs leave NaN in the state" if _holds_nan(part) else ""
@@ -116,7 +116,7 @@ def not_refused(subject: Subject, seed: int) -> str:
         except ValueError:
             part = subject.part()
         except Exception as error:  # as above
-            return f"absurd inputs, step {step}: {_said(error)}; a refusal is a ValueError"
+            return f"absurd inputs, step {step}: {_one_line(error)}; a refusal is a ValueError"
     return "absurd inputs leave NaN in the state, though none was refused" if _holds_nan(part) else ""
 
 
@@ -137,7 +137,7 @@ def _holds_nan(part: Part) -> bool:
         return False
 
 
-def _said(error: Exception) -> str:
+def _one_line(error: Exception) -> str:
     return str(error) if isinstance(error, SignalError) else f"{type(error).__name__}: {error}"
 
 

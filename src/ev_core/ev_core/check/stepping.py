@@ -63,7 +63,7 @@ class Launch:
         if r.random() < _RARE:
             speed = Wheels.all(1e5)  # no measurement of a road vehicle
         drive = Wheels(*(self._pedal * asked for asked in self._asked))
-        said = (
+        sent = (
             signals.DriverCommand(sum(drive), sum(self._brake), 0.0),
             signals.WheelTorqueRequest(drive, self._brake),
             signals.WheelTorqueCommand(drive, self._brake),
@@ -74,7 +74,7 @@ class Launch:
             ),
             signals.BodyVelocity(self._ahead * self._speed, 0.0, self._yaw_rate),
         )
-        return {type(signal): signal for signal in said}
+        return {type(signal): signal for signal in sent}
 
 
 # Largest magnitude by unit; a field that is never negative takes the magnitude.

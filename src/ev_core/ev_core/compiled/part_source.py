@@ -197,10 +197,10 @@ def _reading(signal: type) -> str:
 
 def _writing(writes: tuple[type, ...], call: str) -> list[str]:
     """The statements that put what a call returns into the frame `there`, as its messages carry it."""
-    lines = [f"said = {call}"]
+    lines = [f"output = {call}"]
     for n, signal in enumerate(writes):
         begin, shape = frame.PLACES[signal].start, shape_of(signal)
-        source = "said" if len(writes) == 1 else f"said[{n}]"
+        source = "output" if len(writes) == 1 else f"output[{n}]"
         for i, (channel, single) in enumerate(zip(shape.channels, shape.single, strict=True)):
             value = f"{source}.{channel}"
             if single:

@@ -44,7 +44,7 @@ class Reach:
         self._digest = hashlib.sha256()
         waiting = [*reversed(roots)]
         while waiting:
-            waiting += reversed([*self._told(waiting.pop())])
+            waiting += reversed([*self._followed(waiting.pop())])
         self.digits = self._digest.hexdigest()
 
     @property
@@ -56,7 +56,7 @@ class Reach:
             and all(array.tobytes() == content for array, content in self._arrays)
         )
 
-    def _told(self, found: Any) -> Iterator[Any]:
+    def _followed(self, found: Any) -> Iterator[Any]:
         """Tell the digest what was found, and give what it leads to."""
         function = _written(found)
         if isinstance(found, tuple | list):

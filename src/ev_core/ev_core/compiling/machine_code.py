@@ -44,7 +44,7 @@ _reached = Reach()
 _functions: dict[str, Any] = {}
 _reaches: dict[Any, Reach] = {}
 _addresses: dict[str, int] = {}
-_is_told = True  # that something is compiled, in a line for each
+_is_announced = True  # that something is compiled, in a line for each
 
 
 def call(address: int, first: int, second: int, third: int, fourth: int) -> int:
@@ -265,15 +265,15 @@ def executed(key: str, text: str, names: dict[str, Any]) -> Any:
 @contextmanager
 def counted_by_others() -> Iterator[None]:
     """In the block no line says what is compiled: who has asked for it counts."""
-    global _is_told
-    before, _is_told = _is_told, False
+    global _is_announced
+    before, _is_announced = _is_announced, False
     try:
         yield
     finally:
-        _is_told = before
+        _is_announced = before
 
 
 def _say_compiling(key: str) -> None:
-    if _is_told:
+    if _is_announced:
         name = key.rpartition("_")[0].replace("_", " ")
         print(f"compiling {name} ... (once)", file=sys.stderr, flush=True)

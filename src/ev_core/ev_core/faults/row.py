@@ -139,8 +139,8 @@ class FaultRow(Row):
         for n, fault in enumerate(faults):
             again = texts[:n].count(fault.text)  # two of one text have random numbers of their own
             name = zlib.crc32((f"{fault.text} {again}" if again else fault.text).encode())
-            for told in self._entries(fault, writes, seed, name, period):
-                self.constants += told
+            for numbers in self._entries(fault, writes, seed, name, period):
+                self.constants += numbers
         total = len(self.constants)
         self.constants[:FAULTS_HEAD] = (
             float(total),
@@ -161,8 +161,8 @@ class FaultRow(Row):
         for number, (one, other) in enumerate(pairs):
             memory, self._size = self._size, self._size + (1 + length if length else 0)
             places = [float(place) for _, place, _ in (one, other)]
-            told = [float(_CODES.index(fault.kind)), *places, begin, end, fault.value, float(seed), float(name)]
-            yield [*told, float(number), float(memory), float(length), float(one[2]), float(other[2])]
+            numbers = [float(_CODES.index(fault.kind)), *places, begin, end, fault.value, float(seed), float(name)]
+            yield [*numbers, float(number), float(memory), float(length), float(one[2]), float(other[2])]
 
     def step(self, numbers: Numbers) -> None:
         """Put what the faults leave of them into the place of the numbers in a frame; once per period."""

@@ -62,7 +62,7 @@ class Configuration:
         return bool(self.sensors == defaults(kind))
 
     @property
-    def told(self) -> Any:
+    def given(self) -> Any:
         """The parameters as the method is given them: its own seeds go with that of the node."""
         return seeded(self.parameters, self.common.seed)
 
@@ -73,7 +73,7 @@ class Configuration:
 
     def create(self) -> Any:
         """A new object of the method, at rest, in plain Python and in front of its sensors."""
-        return create(self.method, self.told, self.common.vehicle, self.common.control_period)
+        return create(self.method, self.given, self.common.vehicle, self.common.control_period)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """For pickle and deepcopy: by names and values, for a method is code."""

@@ -85,8 +85,8 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
     for name in flatten(CommonParameters()):
         values = {role: values[name] for role, values in common.items()}
         if name not in _OWN and len(set(values.values())) > 1:
-            said = ", ".join(f"{role} {value}" for role, value in values.items())
-            raise ParameterError(f"{name} differs between nodes: {said}; allowed is one for all")
+            given = ", ".join(f"{role} {value}" for role, value in values.items())
+            raise ParameterError(f"{name} differs between nodes: {given}; allowed is one for all")
     written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
     for configuration in configurations.values():
         for signal in configuration.method.inputs:

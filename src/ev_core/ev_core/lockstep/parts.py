@@ -147,7 +147,7 @@ def is_kept(configuration: Configuration) -> bool:
         return False
     from ev_core.compiled import part
 
-    return part.is_kept(method, configuration.told, common.vehicle, common.control_period)
+    return part.is_kept(method, configuration.given, common.vehicle, common.control_period)
 
 
 def is_compiled(configuration: Configuration, may_wait: bool = True) -> bool:
@@ -200,7 +200,7 @@ def method_part(configuration: Configuration, compiled: bool) -> Any:
         return kind(method, configuration.create())
     from ev_core.compiled.part import CompiledPart
 
-    return CompiledPart(method, configuration.told, common.vehicle, common.control_period)
+    return CompiledPart(method, configuration.given, common.vehicle, common.control_period)
 
 
 def hand_over(before: Part, after: Part) -> None:

@@ -73,7 +73,7 @@ class GraphRun:
 
     def drive(self, progress: Callable[[float], None], note: Callable[[str, str], None]) -> None:
         """Drive all instants; SignalError, and nothing behind it is done, if a number is not finite."""
-        last, said = self.series.shape[1] - 1, set[tuple[str, str]]()
+        last, noted = self.series.shape[1] - 1, set[tuple[str, str]]()
         stopped = np.zeros(2, np.int64)
         progress(0.0)
         for begin, end in _pieces(last):
@@ -85,7 +85,7 @@ class GraphRun:
             self.series[:, begin : end + 1] = self.frames[: count + 1].T
             self.frames[0] = self.frames[count]
             if end == last or end % (_PIECE * _PIECES_PER_LOOK) == 0:
-                self._pass_on_notes(said, note)
+                self._pass_on_notes(noted, note)
             progress(float(self.series[frame.TIME, end]))
 
     def _error(self, status: int, instant: int, place: int) -> BaseException:
@@ -100,16 +100,16 @@ class GraphRun:
         except BaseException as error:  # of a law in plain Python: it is raised as it is
             return error
 
-    def _pass_on_notes(self, said: set[tuple[str, str]], note: Callable[[str, str], None]) -> None:
+    def _pass_on_notes(self, noted: set[tuple[str, str]], note: Callable[[str, str], None]) -> None:
         """Tell what the parts note for the first time."""
         for role, part in self.parts:
             for text in part.notes():
-                if (role, text) not in said:
-                    said.add((role, text))
+                if (role, text) not in noted:
+                    noted.add((role, text))
                     note(role, text)
 
 
-def said_again(configuration: Configuration, series: np.ndarray) -> np.ndarray:
+def output_again(configuration: Configuration, series: np.ndarray) -> np.ndarray:
     """The output of the part of a role that integrates for recorded inputs, without its sensors and faults.
 
     `series` are all numbers of the frame, (frame size, instants); the same with the part's output in its place.

@@ -184,15 +184,15 @@ class Stepper:
         """One step with the inputs in a frame: that of the inbox, but for who integrates."""
         here.numbers[TIME] = self._instant(stamp)
         self._at_rest = False
-        said = stamp + self._steps.lead
-        there = self.frame_of(said)
+        output = stamp + self._steps.lead
+        there = self.frame_of(output)
         if self.integrates:
-            there.numbers[TIME] = self._instant(said)
+            there.numbers[TIME] = self._instant(output)
         self.part.step(here, there)
-        note_answer(self._steps, said)
+        note_answer(self._steps, output)
         if self._add_up is not None:
             self._add_up()
-        return Answer(said, there)
+        return Answer(output, there)
 
     def _instant(self, stamp: int) -> float:
         """The time that a stamp means [s]."""

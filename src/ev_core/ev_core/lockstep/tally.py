@@ -48,13 +48,13 @@ def add_up(block: Any, first: int, last: int, step: int, numbers: Any) -> None:
 
 
 @compilable
-def add_up_step(block: Any, step: int, taken: Any, said: Any) -> None:
+def add_up_step(block: Any, step: int, taken: Any, output: Any) -> None:
     """Add the inputs of a step and the outputs that follow, each in its frame; of -1 - n the outputs of n."""
     if step >= 0:
         add_up(block, 0, block[_TAKEN], step, taken)
-        add_up(block, block[_TAKEN], block[_COUNT], step + block[_AHEAD], said)
+        add_up(block, block[_TAKEN], block[_COUNT], step + block[_AHEAD], output)
     else:
-        add_up(block, block[_TAKEN], block[_COUNT], -1 - step, said)
+        add_up(block, block[_TAKEN], block[_COUNT], -1 - step, output)
 
 
 @compilable
@@ -73,8 +73,8 @@ P, N = types.voidptr, types.int64
 
 
 @cfunc(types.int32(P, N, P, P), error_model="numpy")
-def step(block, at, taken, said):
-    frames = carray(taken, {SIZE}, np.float64), carray(said, {SIZE}, np.float64)
+def step(block, at, taken, output):
+    frames = carray(taken, {SIZE}, np.float64), carray(output, {SIZE}, np.float64)
     add_up_step(carray(block, {BLOCK}, np.int64), at, frames[0], frames[1])
     return 0
 '''
@@ -109,15 +109,15 @@ class Tally:
     """
 
     def __init__(self, key: bytes, takes: Sequence[type], says: Sequence[type] = (), ahead: int = 0) -> None:
-        taken, said = ([signal for signal in signals if signal in PLACES] for signals in (takes, says))
-        self._signals, self._taken = (*taken, *said), len(taken)
+        taken, output = ([signal for signal in signals if signal in PLACES] for signals in (takes, says))
+        self._signals, self._taken = (*taken, *output), len(taken)
         self.block = np.zeros(BLOCK, np.int64)
         self.block[:_KEYS] = np.frombuffer(hashlib.shake_256(key).digest(8 * _KEYS), np.int64) | 1
         self.block[_TAKEN], self.block[_COUNT], self.block[_AHEAD] = self._taken, len(self._signals), ahead
         for i, signal in enumerate(self._signals):
             self.block[_TOPICS + 2 * i : _TOPICS + 2 * i + 2] = PLACES[signal].start, PLACES[signal].stop
         self._sums = self.block[_SUMS:].reshape(_MOST, KEPT)
-        # add(step, taken, said): the inputs of a step and the outputs that follow, in the frames at two addresses.
+        # add(step, taken, output): the inputs of a step and the outputs that follow, in the frames at two addresses.
         self.add = partial(_FUNCTION(ANY_STEP.address()), self.block.ctypes.data)
 
     def adder(self, inbox: Inbox) -> Callable[[], int]:
@@ -128,19 +128,19 @@ class Tally:
         self.block[_PERIOD], self.block[_LEAD] = inbox.steps.period, inbox.steps.lead
         return partial(_NEWEST_FUNCTION(NEWEST_STEP.address()), self.block.ctypes.data, *inbox.addresses)
 
-    def begin(self, step: int, said: int) -> None:
+    def begin(self, step: int, output: int) -> None:
         """Add the outputs of a step before which there was no input, in the frame at an address."""
-        self.add(-1 - step, said, said)
+        self.add(-1 - step, output, output)
 
     def forget(self) -> None:
         """A new run begins."""
         self._sums[:] = 0
 
-    def newest(self, last_taken: int, last_said: int) -> dict[str, dict[str, dict[str, int]]]:
+    def newest(self, last_taken: int, last_output: int) -> dict[str, dict[str, dict[str, int]]]:
         """The last sums by "taken" and "said", topic and step, which count from these steps backwards."""
         found: dict[str, dict[str, dict[str, int]]] = {"taken": {}, "said": {}}
         for i, signal in enumerate(self._signals):
-            kind, last = ("taken", last_taken) if i < self._taken else ("said", last_said)
+            kind, last = ("taken", last_taken) if i < self._taken else ("said", last_output)
             steps = range(max(last - KEPT + 1, 0), last + 1)
             found[kind][TOPICS[signal].name] = {str(step): int(self._sums[i, step % KEPT]) for step in steps}
         return found

@@ -100,8 +100,8 @@ class PythonPart(CalledBack):
             self.made.advance(*signals)
             self._write(self.made.outputs(), there.numbers)
 
-    def _write(self, said: tuple[Any, ...], there: Any) -> None:
-        for write, signal in zip(self._writes, said, strict=True):
+    def _write(self, output: tuple[Any, ...], there: Any) -> None:
+        for write, signal in zip(self._writes, output, strict=True):
             write(there, signal)
 
     def refuse_not_finite(self, there: Frame) -> None:
@@ -129,12 +129,12 @@ def _writer(signal: type) -> Callable[[Any, Any], None]:
 
     per_wheel, has_single = shape.per_wheel, shape.has_single
 
-    def write(there: Any, said: Any) -> None:
-        values = sum(said, ()) if per_wheel else said
+    def write(there: Any, output: Any) -> None:
+        values = sum(output, ()) if per_wheel else output
         if has_single:
             values = shape.carried(values)
         if not math.isfinite(sum(values)):
-            shape.refuse_not_finite(shape.flat(said))
+            shape.refuse_not_finite(shape.flat(output))
         there[place] = array("d", values)
 
     return write

@@ -184,11 +184,11 @@ def _signal(signal: type) -> str:
 
 
 def _car() -> str:
-    said = {entry.name: f"{entry.spec.unit}, {entry.spec.about}" for entry in entries(Vehicle)}
-    said |= {
+    about = {entry.name: f"{entry.spec.unit}, {entry.spec.about}" for entry in entries(Vehicle)}
+    about |= {
         "driven_wheel_inertia": "kg m^2, of the wheel, if driven with its rotor behind the gear",
         "number_driven": "wheels with a motor",
         "driven": "1 for a wheel with a motor, else 0",
     }
-    lines = [f"    {'ev_wheels' if name in BY_WHEEL else 'double'} {name}; /* {said[name]} */" for name in CAR]
+    lines = [f"    {'ev_wheels' if name in BY_WHEEL else 'double'} {name}; /* {about[name]} */" for name in CAR]
     return _struct("ev_car", lines)

@@ -184,9 +184,9 @@ class NativeLaw:
         for signal in reads_of(role):
             self.places[signal] = place
             place += size_of((signal,))
-        (self._said,) = ROLES[role].writes
+        (self._written,) = ROLES[role].writes
         self.outputs = place
-        self.given = self.outputs + size_of((self._said,))
+        self.given = self.outputs + size_of((self._written,))
         values = list(number_tree(parameters).values())
         self.row = np.array([*[0.0] * self.given, period, 0.0, *car, *values])
         words = self.row.view(np.int64)
@@ -212,7 +212,7 @@ class NativeLaw:
         self.row[STATUS] = self._step(*addresses, self.address(self.given))
         if self.row[STATUS]:
             raise self.error
-        return shape_of(self._said).signal_of(self.row[self.outputs : self.given].tolist())
+        return shape_of(self._written).signal_of(self.row[self.outputs : self.given].tolist())
 
     @property
     def error(self) -> SignalError:
@@ -275,11 +275,11 @@ def step(now, next, state, constants):
 def _adapter(role: str, reads: tuple[type, ...], places: tuple[tuple[type, int], ...], outputs: int, given: int) -> int:
     """Address of the compiled step between frame and library, the same for all laws of a role that read the same."""
     row = dict(places)
-    (said,) = ROLES[role].writes
+    (written,) = ROLES[role].writes
     copying = [f"row[{row[Instant]}] = here[{frame.TIME}]"]
     for signal in reads:
         copying += [f"row[{row[signal] + i}] = here[{at}]" for i, at in enumerate(frame.places(signal))]
-    writing = [f"there[{at}] = row[{outputs + i}]" for i, at in enumerate(frame.places(said))]
+    writing = [f"there[{at}] = row[{outputs + i}]" for i, at in enumerate(frame.places(written))]
     copying, writing = ([f"    {line}" for line in lines] for lines in (copying, writing))
     text = _TEXT.format(
         role=role,

@@ -161,12 +161,12 @@ class OrdinarySteps:
         self._lay_out(inputs, outputs)
         head = self._head[0]
         begin, end = frame.span(node.configuration.method.writes)
-        told = {name: value for name, value in inbox.steps._asdict().items() if isinstance(value, int)}
-        told |= {"topics": len(inputs), "publishers": len(outputs), "runs": len(self._runs), "senders": _SENDERS}
-        told |= {"size": self._block.words.nbytes, "begin": begin, "end": end, "wait_set": self._wait_set.pointer}
+        values = {name: value for name, value in inbox.steps._asdict().items() if isinstance(value, int)}
+        values |= {"topics": len(inputs), "publishers": len(outputs), "runs": len(self._runs), "senders": _SENDERS}
+        values |= {"size": self._block.words.nbytes, "begin": begin, "end": end, "wait_set": self._wait_set.pointer}
         if sums is not None:
-            told["tallied"] = 1
-        for name, value in (told | addresses()).items():
+            values["tallied"] = 1
+        for name, value in (values | addresses()).items():
             head[name] = value
         arrays = (self._inputs, self._outputs, self._runs, self._senders)
         of_steps, of_frames = inbox.addresses

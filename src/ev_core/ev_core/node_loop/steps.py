@@ -173,17 +173,17 @@ def _step(head: Any, steps: Any, frames: Any, tally: Any) -> int:
     """One step of the part."""
     due = steps.done[LAST] + steps.period
     answered, number = due + steps.lead, due // steps.period
-    row, said = row_of(steps, due), row_of_answer(steps, answered)
+    row, output = row_of(steps, due), row_of_answer(steps, answered)
     frames[row, TIME] = number * steps.period / NANOSECONDS
-    frames[said, TIME] = answered // steps.period * steps.period / NANOSECONDS
+    frames[output, TIME] = answered // steps.period * steps.period / NANOSECONDS
     first, width = frames.ctypes.data, 8 * frames.shape[1]
-    if call(head.function, first + row * width, first + said * width, head.state, head.constants) != 0:
+    if call(head.function, first + row * width, first + output * width, head.state, head.constants) != 0:
         return FAILED
     for n in range(head.begin, head.end):
-        if frames[said, n] - frames[said, n] != 0.0:
+        if frames[output, n] - frames[output, n] != 0.0:
             return NOT_FINITE
     if head.tallied:
-        add_up_step(tally, number, frames[row], frames[said])
+        add_up_step(tally, number, frames[row], frames[output])
     steps.done[LAST] = due
     note_answer(steps, answered)
     head.taken += 1

@@ -43,7 +43,7 @@ class Ticks:
         return max(self._start + (self._counted + 1) * TICK - time.monotonic(), 0.0)
 
 
-_MOST_SAID = 10  # troubles that are reported
+_MOST_REPORTED = 10  # troubles that are reported
 
 
 class WithBus(Spinnable):
@@ -58,7 +58,7 @@ class WithBus(Spinnable):
 
     def begin(self, channels: Channels) -> None:
         """Frames are taken, and time counts, from now on."""
-        self.channels, self._ticks, self._said = channels, Ticks(), set[str]()
+        self.channels, self._ticks, self._reported = channels, Ticks(), set[str]()
 
     def take(self, circuit: str, frame: Frame) -> None:
         """A frame has come on the channel of a circuit."""
@@ -93,8 +93,8 @@ class WithBus(Spinnable):
     def idle(self) -> None:
         """Say once what goes wrong on the bus."""
         for trouble in self.channels.troubles() if self.channels else ():
-            if trouble not in self._said and len(self._said) < _MOST_SAID:
-                self._said.add(trouble)
+            if trouble not in self._reported and len(self._reported) < _MOST_REPORTED:
+                self._reported.add(trouble)
                 self.reports.warn(trouble)
 
     def close(self) -> None:

@@ -94,7 +94,7 @@ class Reports:
         self.runner = RunnerLine()
         self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._part: Any = None
-        self._said: set[str] = set()
+        self._reported: set[str] = set()
         self._noted: set[str] = set()
         self._unheard: list[tuple[str, KeyValue]] = []
         self._next_look = 0.0
@@ -135,10 +135,10 @@ class Reports:
         self.runner.send_what_waits()
         self._say_unheard()
         if part is not self._part:
-            self._part, self._said = part, set()
+            self._part, self._reported = part, set()
         for text in (shown(each, LINE) for each in part.notes()):
-            if text not in self._said:
-                self._said.add(text)
+            if text not in self._reported:
+                self._reported.add(text)
                 self._node.get_logger().info(text)
                 self.runner.tell(Word(REMARK, text))
                 self._diagnose(DiagnosticStatus.OK, text)

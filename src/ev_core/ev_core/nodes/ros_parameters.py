@@ -44,23 +44,23 @@ def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
     values = overrides(node)
     path: Any = values.get(_LOG)
     leads_out = isinstance(path, str) and (os.path.isabs(path) or ".." in Path(path).parts)
-    if leads_out and not _is_said(_LOG, path, node_arguments):
+    if leads_out and not _is_given(_LOG, path, node_arguments):
         where = "a name below the working directory, on the command line any path"
         raise ParameterError(f"parameter {_LOG}: {quoted(path)} is refused, allowed from a file is {where}", _LOG)
-    for name, only_said in ((_METHOD, is_code), (_ADDRESS, LOOPBACK.__ne__)):
+    for name, only_given in ((_METHOD, is_code), (_ADDRESS, LOOPBACK.__ne__)):
         value = values.get(name)
-        if isinstance(value, str) and only_said(value) and not _is_said(name, value, node_arguments):
+        if isinstance(value, str) and only_given(value) and not _is_given(name, value, node_arguments):
             values[name] = TextOfFile.of(value, Path("its parameter file"))
     return values
 
 
-def _is_said(name: str, value: str, node_arguments: Mapping[str, Any]) -> bool:
+def _is_given(name: str, value: str, node_arguments: Mapping[str, Any]) -> bool:
     """Whether this is from the command line (-p NAME:=VALUE) or from the program that makes the node."""
     if any(each.name == name and each.value == value for each in node_arguments.get("parameter_overrides") or ()):
         return True
     words = [*sys.argv, *(node_arguments.get("cli_args") or ())]
-    said = [word.partition(":=") for flag, word in pairwise(words) if flag in ("-p", "--param")]
-    return any(key.rpartition(":")[2] == name and text.strip("'\"") == value for key, _, text in said)
+    assigned = [word.partition(":=") for flag, word in pairwise(words) if flag in ("-p", "--param")]
+    return any(key.rpartition(":")[2] == name and text.strip("'\"") == value for key, _, text in assigned)
 
 
 def is_ros_own(name: str) -> bool:

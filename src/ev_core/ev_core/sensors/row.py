@@ -159,7 +159,7 @@ class SensorRow(Row):
         self._size = 1
         for quantity, errors in imperfect(parameters):
             for part in quantity.parts(driven):
-                self.constants += self._told(quantity, errors, seed, part)
+                self.constants += self._numbers_of(quantity, errors, seed, part)
         total = len(self.constants)
         self.constants[: measuring.SENSORS_HEAD] = (
             float(total),
@@ -168,14 +168,14 @@ class SensorRow(Row):
         )
         self.start()
 
-    def _told(self, quantity: Quantity, errors: Any, seed: int, part: range) -> list[float]:
+    def _numbers_of(self, quantity: Quantity, errors: Any, seed: int, part: range) -> list[float]:
         places = quantity.places[part.start : part.start + 1] if quantity.kind == measuring.NUMBERS else quantity.places
         memory, self._size = self._size, self._size + 1 + len(part) * (1 + errors.delay)
-        told = [quantity.kind, *places, *[0] * (3 - len(places)), len(part), shape_of(quantity.signal).has_single]
-        told += [memory, errors.offset, errors.least_noise, errors.quantisation, errors.delay, errors.dropout]
-        told += [seed, zlib.crc32(quantity.name.encode()), errors.gain, errors.lowest, errors.highest]
-        told += [measuring.DISTRIBUTIONS.index(errors.distribution), errors.noise_of_reading, part.start // 2]
-        return [float(value) for value in told]
+        numbers = [quantity.kind, *places, *[0] * (3 - len(places)), len(part), shape_of(quantity.signal).has_single]
+        numbers += [memory, errors.offset, errors.least_noise, errors.quantisation, errors.delay, errors.dropout]
+        numbers += [seed, zlib.crc32(quantity.name.encode()), errors.gain, errors.lowest, errors.highest]
+        numbers += [measuring.DISTRIBUTIONS.index(errors.distribution), errors.noise_of_reading, part.start // 2]
+        return [float(value) for value in numbers]
 
     def go_on_from(self, other: Any) -> None:
         """Go on in the period where others were; a sensor that has another delay or was not there begins with it."""

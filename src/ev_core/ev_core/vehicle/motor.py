@@ -32,9 +32,7 @@ class Winding:
         about="peak flux linkage of the magnets with a phase, psi: 0.8 N m for each rms ampere",
     )
     inductance: float = _of_winding(1e-4, unit="H", low=1e-6, high=1.0, about="of a phase, alike in both axes, L")
-    largest_current: float = _of_winding(
-        453.0, unit="A", low=1.0, high=1e4, about="rms phase current, what 360 N m need"
-    )
+    largest_current: float = _of_winding(453.0, unit="A", low=1.0, high=1e4, about="largest rms phase current")
     voltage_share: float = parameter(
         0.95,
         unit="1",

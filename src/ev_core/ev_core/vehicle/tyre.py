@@ -99,6 +99,7 @@ POSITIVE_COEFFICIENTS = {
     "magic_formula": 3,
     "linear": 1,
     "mf_tyre": 0,
+    "dry_friction": 4,
 }
 
 
@@ -122,7 +123,8 @@ class Tyre:
         low=-50.0,
         high=1000.0,
         about="coefficients on dry asphalt, in the order of the curve (rational: peak, peak slip; two_exponential: "
-        "mu_s, S0, S1; magic_formula: B, C, D, E; linear: slope); burckhardt takes those of the surface",
+        "mu_s, S0, S1; magic_formula: B, C, D, E; linear: slope; dry_friction: mu_A, v_A, "
+        "mu_S, v_S [m/s]); burckhardt takes those of the surface",
     )
     combined: str = setting(
         "slip_vector",
@@ -198,6 +200,10 @@ class Tyre:
             raise ParameterError(
                 f"combined is {self.combined} with curve {self.curve}: mf_tyre and weighted go together"
             )
+        if self.curve == "dry_friction" and (
+            self.combined != "slip_vector" or self.coefficients[3] <= self.coefficients[1]
+        ):
+            raise ParameterError("curve dry_friction needs combined slip_vector, and v_S above v_A")
         if self.curve == "mf_tyre":
             for given, allowed in ((self.lateral_ratio, 1.0), (self.load_sensitivity, 0.0)):
                 if given != allowed:

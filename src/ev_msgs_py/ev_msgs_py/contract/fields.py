@@ -43,9 +43,9 @@ def magnitude(unit: str, about: str, place: str, sensor: str = "", largest: floa
 
 def field_of(hint: Any) -> Field:
     """The Field in an annotation; TypeError if there is none."""
-    for said in getattr(hint, "__metadata__", ()):
-        if isinstance(said, Field):
-            return said
+    for each in getattr(hint, "__metadata__", ()):
+        if isinstance(each, Field):
+            return each
     raise TypeError(f"{hint} says nothing about unit, meaning and place of the field")
 
 

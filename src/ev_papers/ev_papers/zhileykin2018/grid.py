@@ -133,13 +133,13 @@ def cases_of(controls: Iterable[str], values: Values = (), variant: str = "") ->
     """Every control or reading at every force and angle, with further parameters (node, name, value) of a variant."""
     vehicle = load_scenario(SCENARIO).runs[0].configurations[MASTER].common.vehicle
     # With these a force and an angle become a torque and an angle of the steering wheel, whatever car is driven.
-    told = [("*", f"vehicle.{name}", getattr(vehicle, name)) for name in ("wheel_radius", "steering_ratio")]
+    of_vehicle = [("*", f"vehicle.{name}", getattr(vehicle, name)) for name in ("wheel_radius", "steering_ratio")]
     return [
         Case(
             name_of(control, force, angle, variant),
             SCENARIO,
             (
-                *told,
+                *of_vehicle,
                 ("driver", "pedals.drive_torque", (force * vehicle.wheel_radius,)),
                 ("steering_column", "profile.angle", (0.0, math.radians(angle) * vehicle.steering_ratio)),
                 *FURTHER_READINGS.get(control, ("", ()))[1],

@@ -198,8 +198,8 @@ def _shares(
     """
     method, vehicle = find_method(_ROLE, "axle_redistribution"), driven.vehicle
     known = flatten(method.parameters())
-    told = {name: value for name, value in driven.parameters.get(_ROLE, {}).items() if name in known}
-    law = create(method, build(method.parameters, {**told, **readings}), vehicle, 0.01)
+    given = {name: value for name, value in driven.parameters.get(_ROLE, {}).items() if name in known}
+    law = create(method, build(method.parameters, {**given, **readings}), vehicle, 0.01)
     signals = {
         type(signal): signal
         for signal in (

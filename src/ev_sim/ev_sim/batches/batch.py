@@ -46,6 +46,7 @@ class Variation:
         self, configurations: Mapping[str, Configuration], vary: Mapping[str, Iterable[Any]], runs: Mapping[str, int]
     ) -> None:
         self._configurations = configurations
+        self._known = {role: configuration.values() for role, configuration in configurations.items()}
         columns = {name: list(map(plain, plain(values))) for name, values in vary.items()}
         lengths = {name: len(column) for name, column in columns.items()}
         lengths.update({f"initial_states of {role}": count for role, count in runs.items()})
@@ -69,7 +70,7 @@ class Variation:
         fixed = (*_OF_ALL_RUNS, *(entry.name for entry in extra))
         if parameter in fixed:
             raise ParameterError(f"{name} is refused: all runs of a batch have the same {parameter}")
-        known = configuration.values()
+        known = self._known[role]
         if parameter not in known:
             is_sensor = parameter.startswith(_SENSORS)  # there are many: listed where one is meant
             listed = [each for each in known if each not in fixed and each.startswith(_SENSORS) == is_sensor]
@@ -226,7 +227,9 @@ class BatchResult:
 
     def __repr__(self) -> str:
         kept = ", ".join(f"{name} {np.shape(values)}" for name, values in {**self.metrics, **self.signals}.items())
-        return f"BatchResult of {kept or 'nothing'}; {len(self.failed)} failed"
+        return (
+            f"BatchResult of {kept or 'nothing, as neither metrics nor signals were named'}; {len(self.failed)} failed"
+        )
 
 
 def batch(

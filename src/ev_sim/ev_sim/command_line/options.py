@@ -11,6 +11,7 @@ from typing import Any
 
 import yaml
 
+from ev_core.parameters.values import number_of
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.command_line.refusal import Parser
@@ -25,7 +26,7 @@ TRACEBACK = "--traceback"
 def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     """Parse the command line; argparse ends the process with status 2 for words it does not know."""
     parser = Parser(
-        prog="run.sh", description="Run a scenario: every node its own process over DDS, unless told otherwise."
+        prog="run.sh", description="Run a scenario: every node its own process over DDS, unless an option changes this."
     )
     parser.add_argument("scenario", nargs="?", help="name of a scenario, --list shows them, or path of your own")
     way = parser.add_mutually_exclusive_group()
@@ -77,7 +78,16 @@ def add_changes(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--params", action="append", default=[], metavar="FILE", type=Path, help="more ROS parameters")
     parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
     parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random")
-    parser.add_argument("--duration", type=float, metavar="S", help="simulated time of every run")
+    parser.add_argument("--duration", type=_seconds, metavar="S", help="simulated time of every run")
+
+
+def _seconds(text: str) -> float:
+    found = number_of(text, "s")
+    try:
+        return float(text) if found is None else found
+    except ValueError:
+        allowed = "allowed is a number of seconds or such as '5 s'"
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, {allowed}") from None
 
 
 def add_metrics(parser: argparse.ArgumentParser, default: str) -> None:

@@ -34,7 +34,7 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
     ),
     "fmu": (
         "exports.export_fmu",
-        "a car or a law as an FMU (FMI 2.0 co-simulation): ev-stack fmu SCENARIO --out NAME.fmu",
+        "a car or its laws as an FMU (FMI 2.0 or 3.0, co-simulation): ev-stack fmu SCENARIO --out NAME.fmu",
     ),
     "urdf": ("exports.print_urdf", "a car as URDF, for RViz and Foxglove: ev-stack urdf VEHICLE"),
     "parameters": ("exports.write_parameters", "all parameters of the nodes of a run, as files, and how they start"),

@@ -1,12 +1,13 @@
-"""What is written for other tools: schemas, cars as URDF, the C interface of laws, parameters of nodes, FMUs."""
+"""What is written for other tools: schemas, cars as URDF, parameters of nodes, libraries and FMUs, the C interface."""
 
 from __future__ import annotations
 
 import json
 import re
+from argparse import Namespace
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ev_core.methods.register import CommonParameters, methods_of
 from ev_core.nodes.master.real_time import MasterParameters
@@ -14,13 +15,16 @@ from ev_core.parameters.data_file import config_folders
 from ev_core.parameters.declaration import Entry, Spec, entries
 from ev_core.parameters.values import units_for
 from ev_core.sensors.row import sensors_for
-from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
+from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.command_line.options import add_overrides, overrides
 from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import PARAMETERS
 from ev_sim.scenarios.about import ScenarioParameters, vehicle_of
+
+if TYPE_CHECKING:
+    from ev_sim.export.content import Content
 
 
 def print_header(argv: list[str]) -> None:
@@ -79,63 +83,69 @@ def write_parameters(argv: list[str]) -> None:
     print(json.dumps(started_by, indent=2))
 
 
-def export_fmu(argv: list[str]) -> None:
-    """ev-stack fmu SCENARIO --out NAME.fmu [--law ROLE | --without ROLE,ROLE] [options]"""
-    from ev_sim.interface import extra
-    from ev_sim.interface.driving import only_run
-
-    parser = Parser(prog="ev-stack fmu", description="ev-stack fmu: a car or a law as an FMU.")
-    parser.add_argument("scenario", help="name of a scenario, or path of your own")
-    parser.add_argument("--run", default="", help="of a scenario with several runs")
-    parser.add_argument("--out", type=Path, required=True, metavar="NAME.fmu", help="NAME becomes that of the model")
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument("--law", default="", metavar="ROLE", help="one role that answers, such as asr, on its own")
-    what.add_argument(
-        "--without", default="", metavar="ROLE,ROLE", help="the car without these; default: all that answer"
-    )
-    add_overrides(parser)
-    given = parser.parse_args(argv)
-    try:
-        extra("pythonfmu", "fmu")
-        from ev_sim.fmu.slave import Content, write_fmu
-
-        run = only_run(given.scenario, given.run, overrides(given))
-        played = [name for name, role in ROLES.items() if role.kind is RoleKind.ANSWERS and name in run.configurations]
-        without = [] if given.law else given.without.split(",") if given.without else played
-        write_fmu(Content(run, given.law, without), given.out)
-    except (ParameterError, ImportError, OSError) as error:
-        refuse(error)
-    print(f"{given.law or 'car'} of {run.name}: {given.out}")
-
-
 def export_library(argv: list[str]) -> None:
     """ev-stack export SCENARIO --target TARGET --out DIR [--only ROLE,ROLE | --without ROLE,ROLE] [options]"""
-    from ev_sim.export.content import Content
     from ev_sim.export.library import write_library
     from ev_sim.export.targets import TARGETS, target_of
-    from ev_sim.interface.driving import only_run
 
-    parser = Parser(prog="ev-stack export", description="ev-stack export: a car or its laws as a C library.")
+    parser = _of_export("export", "a car or its laws as a C library")
+    parser.add_argument("--target", required=True, metavar="TARGET", help=", ".join(TARGETS))
+    parser.add_argument("--name", default="", help="what names in C begin with; default: run and roles")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the files shall be")
+    given = parser.parse_args(argv)
+    try:
+        target = target_of(given.target)
+        content = _content(given)
+        name = given.name or "_".join([content.run.name, *_words(given.only)])
+        write_library(content, name, target, given.out)
+    except (ParameterError, OSError) as error:
+        refuse(error)
+    print(f"{name}: {', '.join(content.roles)} for {target.name} in {given.out}, hash {content.digest[:12]}")
+
+
+def export_fmu(argv: list[str]) -> None:
+    """ev-stack fmu SCENARIO --out NAME.fmu [--only ROLE,ROLE | --without ROLE,ROLE] [options]"""
+    from ev_sim.export.fmu import TARGETS, VERSIONS, write_fmu
+    from ev_sim.export.targets import target_of
+
+    parser = _of_export("fmu", "a car or its laws as an FMU for co-simulation")
+    parser.add_argument("--fmi", type=int, choices=VERSIONS, default=VERSIONS[0], help="version of FMI; default: 2")
+    parser.add_argument(
+        "--target", default=",".join(TARGETS), metavar="TARGET,TARGET", help="what it runs on; default: %(default)s"
+    )
+    parser.add_argument("--out", type=Path, required=True, metavar="NAME.fmu", help="NAME becomes that of the model")
+    given = parser.parse_args(argv)
+    try:
+        targets = [target_of(name) for name in given.target.split(",")]
+        content = _content(given)
+        write_fmu(content, given.fmi, targets, given.out)
+    except (ParameterError, OSError) as error:
+        refuse(error)
+    print(f"{given.out}: {', '.join(content.roles)} for {given.target}, hash {content.digest[:12]}")
+
+
+def _of_export(command: str, about: str) -> Parser:
+    """Options by which a run and its roles are chosen."""
+    parser = Parser(prog=f"ev-stack {command}", description=f"ev-stack {command}: {about}.")
     parser.add_argument("scenario", help="name of a scenario, or path of your own")
     parser.add_argument("--run", default="", help="of a scenario with several runs")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--only", default="", metavar="ROLE,ROLE", help="these roles, such as asr; default: all")
     what.add_argument("--without", default="", metavar="ROLE,ROLE", help="all but these, whose answers are inputs")
-    parser.add_argument("--target", required=True, metavar="TARGET", help=", ".join(TARGETS))
-    parser.add_argument("--name", default="", help="what names in C begin with; default: run and roles")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the files shall be")
     add_overrides(parser)
-    given = parser.parse_args(argv)
-    try:
-        target = target_of(given.target)
-        run = only_run(given.scenario, given.run, overrides(given))
-        only, without = (words.split(",") if words else [] for words in (given.only, given.without))
-        content = Content(run, only, without)
-        name = given.name or "_".join([run.name, *only])
-        write_library(content, name, target, given.out)
-    except (ParameterError, OSError) as error:
-        refuse(error)
-    print(f"{name}: {', '.join(content.roles)} for {target.name} in {given.out}, hash {content.digest[:12]}")
+    return parser
+
+
+def _words(text: str) -> list[str]:
+    return text.split(",") if text else []
+
+
+def _content(given: Namespace) -> Content:
+    from ev_sim.export.content import Content
+    from ev_sim.interface.driving import only_run
+
+    run = only_run(given.scenario, given.run, overrides(given))
+    return Content(run, _words(given.only), _words(given.without))
 
 
 _NUMBER = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*"
@@ -182,14 +192,28 @@ def _entries(role: str) -> list[Entry]:
 
 
 def _node(of: Iterable[Entry]) -> dict[str, Any]:
-    """Groups as objects; dotted names are let through, the stack itself knows them."""
+    """Groups as objects; dotted names are let through, the stack itself knows them.
+
+    A name may be a group of one method and a value of another.
+    """
     tree = _group()
     for entry in of:
-        place, names = tree, entry.name.split(".")
-        for group in names[:-1]:
-            place = place["properties"].setdefault(group, _group())
-        place["properties"][names[-1]] = _value(entry)
+        *groups, name = entry.name.split(".")
+        place = tree["properties"]
+        for group in groups:
+            place = _within(place, group)["properties"]
+        place[name] = {"anyOf": [_value(entry), place[name]]} if name in place else _value(entry)
     return tree
+
+
+def _within(properties: dict[str, Any], name: str) -> dict[str, Any]:
+    found = properties.setdefault(name, _group())
+    for each in found.get("anyOf", (found,)):
+        if "properties" in each:
+            return each
+    group = _group()
+    properties[name] = {"anyOf": [found, group]}
+    return group
 
 
 def _group() -> dict[str, Any]:

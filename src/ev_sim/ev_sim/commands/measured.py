@@ -13,22 +13,25 @@ from pathlib import Path
 from typing import Any
 
 from ev_core.parameters.data_file import SIGNALS, read_data
-from ev_msgs_py.refusal import ParameterError, quoted
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.command_line.options import add_changes, command_of, overrides
 from ev_sim.command_line.refusal import Parser
 from ev_sim.measured.free_parameters import GROUPS, free_parameters
 from ev_sim.measured.identification import identify
 from ev_sim.measured.identified import CAR, FILES_OF_IDENTIFICATION, PARTS, Identified
 from ev_sim.measured.intervals import knowledge
-from ev_sim.measured.open_loop import ROLES_OF_REPLAY, OpenLoop, Windows, graph, windows_of
-from ev_sim.measured.record import (
+from ev_sim.measured.journal import Journal, search_key
+from ev_sim.measured.open_loop import IMPOSED, ROLES_OF_REPLAY, OpenLoop, Windows, graph, windows_of
+from ev_sim.measured.records.bags import is_foreign
+from ev_sim.measured.records.mapping import read_record, read_standard
+from ev_sim.measured.records.record import (
     SIDESLIP,
     YAW_RATE,
     ColumnParameters,
     MaskParameters,
     MeasuredRecord,
+    Sampled,
     measured,
-    read_record,
 )
 from ev_sim.measured.rig import read_rig
 from ev_sim.measured.tyre_fit import fit_tyre
@@ -39,6 +42,7 @@ from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.about import vehicle_file
 from ev_sim.scenarios.parameter_file import ParameterFile
 
+JOURNAL = "search.journal"  # of a search that is under way
 _OF_A_RUN = (".npz", ".mcap", ".db3", "")  # what a recording of ours may end with; the last is a folder
 
 
@@ -90,7 +94,7 @@ def run_identify(argv: Sequence[str]) -> None:
         "--train", type=float, default=2 / 3, metavar="SHARE", help="of the windows; the rest is held out"
     )
     parser.add_argument(
-        "--signals", nargs="+", default=[YAW_RATE, SIDESLIP], metavar="CHANNEL", help="that are compared"
+        "--signals", nargs="+", default=[], metavar="CHANNEL", help="that are compared; default yaw rate and sideslip"
     )
     parser.add_argument("--starts", type=int, default=1, metavar="N", help="starts of the search; default 1")
     parser.add_argument("--steps", type=int, default=25, metavar="N", help="largest number of steps from a start")
@@ -120,16 +124,25 @@ def run_identify(argv: Sequence[str]) -> None:
     replay = replays[PARTS[0]]
     stated, beside = _given(given)
     free = free_parameters(given.free, replay.configurations)
+    signals = given.signals or [name for name in (YAW_RATE, SIDESLIP) if name in replay.compared]
+    for name in signals:
+        if name not in replay.compared:
+            raise unknown_name("--signals", name, replay.compared)
     seed = given.seed or 0
-    with OutputFolder(given.out, "identify", FILES_OF_IDENTIFICATION) as folder:
+    key = search_key(replay, free, signals, given.every, given.prior, given.starts, seed, given.steps, given.impose)
+    with OutputFolder(given.out, "identify", (*FILES_OF_IDENTIFICATION, JOURNAL), keeps=[JOURNAL]) as folder:
+        journal = Journal(folder.directory / JOURNAL, key)
         fitted = identify(
-            replay, free, given.signals, every=given.every, width=given.prior, starts=given.starts, seed=seed,
-            most=given.steps, progress=lambda line: print(line, flush=True),
+            replay, free, signals, every=given.every, width=given.prior, starts=given.starts, seed=seed,
+            most=given.steps, progress=lambda line: print(line, flush=True), journal=journal,
         )  # fmt: skip
         known = knowledge(fitted.residuals, fitted.derivatives, fitted.values, free, given.prior, seed)
         found = Identified(free, fitted, known, replays, stated, beside, command_of(["identify", *argv]))
         print(found.table())
         found.write(folder.directory, not given.no_report)
+        journal.remove()
+    if journal.taken:
+        print(f"went on behind {journal.taken} evaluations of a search that was stopped")
     print(f"car: {folder.directory / CAR}")
 
 
@@ -160,10 +173,17 @@ def _identify_tyre(given: argparse.Namespace, command: str) -> None:
 
 def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
     parser.add_argument(
-        "record", nargs="?", type=Path, metavar="RECORD", help="CSV (.csv, .csv.xz), a bag or signals.npz"
+        "record",
+        nargs="?",
+        type=Path,
+        metavar="RECORD",
+        help="CSV (.csv, .csv.xz), a bag, a CAN log (.log, .asc, .blf, .mf4) or signals.npz",
     )
     parser.add_argument(
         "--mapping", type=Path, metavar="FILE", help="what the columns are; default RECORD's name .yaml"
+    )
+    parser.add_argument(
+        "--impose", choices=tuple(IMPOSED), default="speed", help="what drives the car besides the measured angle"
     )
     parser.add_argument("--window", type=float, default=5.0, metavar="S", help="length of a window; default 5 s")
     parser.add_argument(
@@ -189,17 +209,24 @@ def _replay(given: argparse.Namespace, record: MeasuredRecord, windows: Windows)
         raise ParameterError("--duration is refused: a replay lasts as long as its windows, allowed is --window")
     if given.vehicle is None:
         raise ParameterError("--vehicle is missing: which car?")
-    return OpenLoop(record, windows, graph(given.vehicle, record.period, overrides(given)), signals_to_show())
+    configurations = graph(given.vehicle, record.period, overrides(given))
+    return OpenLoop(record, windows, configurations, signals_to_show(), given.impose)
 
 
 def open_record(path: Path, mapping: Path | None = None) -> MeasuredRecord:
-    """The record of a CSV file with its mapping, of a bag or of signals.npz; ParameterError if there is none."""
-    if path.suffix not in _OF_A_RUN:
-        beside = path.with_name(path.name.removesuffix(".xz")).with_suffix(".yaml")
+    """The record of a file with its mapping, of a bag of standard messages, or of a run of ours.
+
+    ParameterError if there is none.
+    """
+    beside = path.with_name(path.name.removesuffix(".xz")).with_suffix(".yaml")
+    if mapping or beside.exists() or path.suffix not in _OF_A_RUN:
         return read_record(path, mapping or beside)
+    if path.suffix != ".npz" and is_foreign(path):
+        return read_standard(path)
     found = find_recorded(path)
-    columns = {name: (values, ColumnParameters()) for name, values in found.recording.channels.items()}
-    return measured(str(path), _digest(found.source), found.recording.time, columns, MaskParameters())
+    time = found.recording.time
+    columns = {name: (Sampled(time, values), ColumnParameters()) for name, values in found.recording.channels.items()}
+    return measured(str(path), _digest(found.source), columns, MaskParameters())
 
 
 def _digest(path: Path) -> str:

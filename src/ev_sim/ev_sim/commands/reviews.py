@@ -21,8 +21,11 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.command_line.options import add_changes, add_outputs, command_of, overrides, printing
 from ev_sim.command_line.refusal import Parser
+from ev_sim.measured.comparisons.comparison import FILE as COMPARISONS
+from ev_sim.measured.comparisons.comparison import compare, kept_text
+from ev_sim.measured.comparisons.comparison import table as comparison_table
 from ev_sim.recording.outcome import Outcome, bar_of_runs, progress_bar
-from ev_sim.recording.recording import PAGE, SIGNALS, SUMMARY, load
+from ev_sim.recording.recording import PAGE, SIGNALS, SUMMARY, atomic_file, load
 from ev_sim.replay.graph import Replay, Replayed, prepared, replay_folder, replay_of
 from ev_sim.replay.recorded import find_recorded
 from ev_sim.report.page.writing import Page, Signals, write_page
@@ -39,6 +42,8 @@ from ev_sim.verdicts.panels_page import write_page as write_panels
 from ev_sim.verdicts.sources import published, sources
 from ev_sim.verdicts.verdict import FILES, Verdict, counts, plain_table, verdict, wanted, write
 
+MEASURED = "measured"  # among the sources of `verdicts`, with --data
+
 
 def _parser(name: str, about: str) -> Parser:
     parser = Parser(prog=f"run.sh {name}", description=f"scripts/run.sh {name}: {about}")
@@ -54,19 +59,33 @@ def run_verdicts(argv: Sequence[str]) -> None:
         "--only", nargs="+", action="extend", default=[], metavar="SOURCE", help="sources, ids or beginnings of ids"
     )
     parser.add_argument("--quick", action="store_true", help="leave out what takes more than a few seconds to drive")
+    parser.add_argument(
+        "--data",
+        type=Path,
+        metavar="DIR",
+        help=f"folder of measured data to hold the car against as well; --only {MEASURED} alone (docs/measured.md)",
+    )
     given = parser.parse_args(argv)
     start = time.monotonic()
-    found, _ = judge_driven(given.only, given.quick)
-    if not found:
+    only = [name for name in given.only if name != MEASURED or given.data is None]
+    found = judge_driven(only, given.quick)[0] if only or not given.only else []
+    if only and not found:
         raise ParameterError(f"--only {' '.join(given.only)}: no such id or source; sources: {', '.join(sources())}")
-    with OutputFolder(given.out, "verdicts", FILES) as folder:
-        images = {id: names for source in sources() for id, names in images_by_id(source).items()}
-        write(found, folder.directory, images)
-    print(plain_table(found, shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns))
-    for source in sources():
-        if of_source := [each for each in found if each.published.id in published(source)]:
-            print(f"{source}: {counts(of_source)}")
-    print(f"all: {counts(found)}")
+    with OutputFolder(given.out, "verdicts", (*FILES, COMPARISONS)) as folder:
+        if found:
+            images = {id: names for source in sources() for id, names in images_by_id(source).items()}
+            write(found, folder.directory, images)
+        if given.data is not None and (MEASURED in given.only or not given.only):
+            compared = compare(given.data, lambda line: print(line, flush=True))
+            with atomic_file(folder.directory / COMPARISONS) as file:
+                file.write(kept_text(compared).encode())
+            print(comparison_table(compared))
+    if found:
+        print(plain_table(found, shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns))
+        for source in sources():
+            if of_source := [each for each in found if each.published.id in published(source)]:
+                print(f"{source}: {counts(of_source)}")
+        print(f"all: {counts(found)}")
     print(f"{time.monotonic() - start:.1f} s; table: {folder.directory}")
 
 

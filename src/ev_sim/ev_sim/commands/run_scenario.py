@@ -18,15 +18,16 @@ from ev_sim.scenarios.about import describe_scenario, is_path
 from ev_sim.scenarios.scenario import scenario_names
 from ev_sim.study.study import study_named, study_names
 
-REVIEWS = {  # commands of their own, run_NAME of `reviews`, those of MEASURED of `measured`
+REVIEWS = {  # commands of their own, run_NAME of `reviews` or of the module that MODULES names
     "verdicts": "a verdict on every number, curve and claim of all sources, in one table",
     "report": "one page about the folders of several runs of scenarios, side by side with their differences",
     "replay": "recorded inputs into a law or a node, and where its answers differ from the recorded ones",
     "figures": "every panel of the sources' figures, drawn from our runs, on one page",
     "validate": "a car against a record of a real one: inputs imposed as measured, the rest compared",
     "identify": "parameters of a car from a record of it, or a tyre from a rig, with intervals",
+    "benchmark": "laws of torque control ranked on a board of cars, roads and manoeuvres, with intervals",
 }
-MEASURED = ("validate", "identify")
+MODULES = {"validate": "measured", "identify": "measured", "benchmark": "benchmark"}
 _NOT_READ = 141  # the status of a command whose output nobody reads any more
 _NOT_LOADED = "failed to map segment"  # in the words of the loader: there is no memory for a library
 
@@ -46,7 +47,7 @@ def main(argv: list[str] | None = None) -> None:
             run_study(words[0], words[1:])
             return
         if words and words[0] in REVIEWS:
-            module = "measured" if words[0] in MEASURED else "reviews"
+            module = MODULES.get(words[0], "reviews")
             getattr(import_module(f"ev_sim.commands.{module}"), f"run_{words[0]}")(words[1:])
             return
         given = arguments(words)

@@ -113,8 +113,8 @@ def _control_time(service: str, argv: Sequence[str]) -> None:
     given = parser.parse_args(argv)
     with _shell(given.namespace) as shell:
         for _ in range(getattr(given, "count", 1)):
-            said = shell.call(service)
-        print(said)
+            answer = shell.call(service)
+        print(answer)
 
 
 def _positive(text: str) -> int:

@@ -39,7 +39,7 @@ class Reported:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._said: set[str] = set()
+        self._reported: set[str] = set()
         self._new: list[tuple[str, bool]] = []
         self._names: dict[bytes, tuple[str, str]] = {}  # namespace and name by publisher
         self._reader = Reader(node, DiagnosticArray, "/diagnostics", self._note, self)
@@ -74,8 +74,8 @@ class Reported:
             return
         text, about_time = shown(f"{status.name}: {status.message}"), status.name.endswith(runner_line.TIME_SERVICE)
         what = next((shown(value.value) for value in status.values if value.key == NOTED), text)
-        if about_time or (what not in self._said and len(self._said) < _MOST):
-            self._said.add(what)
+        if about_time or (what not in self._reported and len(self._reported) < _MOST):
+            self._reported.add(what)
             self._new.append((text, about_time))
 
 

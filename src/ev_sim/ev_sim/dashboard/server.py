@@ -206,7 +206,7 @@ class _Graph:
     def __init__(self, context: Context, namespace: str, tell: Callable[[dict[str, Any]], None]) -> None:
         self.title = {"kind": "title", "text": f"EV Control Stack {namespace}"}
         self._node = Node(f"{_NODE}_signals", context=context, namespace=namespace, start_parameter_services=False)
-        self.namespace, self._tell, self._said = namespace, tell, set[str]()
+        self.namespace, self._tell, self._reported = namespace, tell, set[str]()
         self.reported = Reported(self._node)
         self.controls = Controls(context, namespace, f"{_NODE}_controls", self._tell_pages)
         self.frames = LiveFrames(self._node, self._refuse)
@@ -216,8 +216,8 @@ class _Graph:
         self._tell(message)
 
     def _refuse(self, cause: str, text: str) -> None:
-        if cause not in self._said:
-            self._said.add(cause)
+        if cause not in self._reported:
+            self._reported.add(cause)
             self.controls.say(text)
 
     def close(self) -> None:

@@ -119,10 +119,10 @@ class Content:
     @cached_property
     def digest(self) -> str:
         """SHA-256 of all code, constants and states, and of the order and names of everything."""
-        told = hashlib.sha256(repr((self.period, self.inputs, self.outputs, self.before, self.answering)).encode())
+        digest = hashlib.sha256(repr((self.period, self.inputs, self.outputs, self.before, self.answering)).encode())
         for part in self.parts:
-            told.update(repr((key_of(*part.code), *part[2:])).encode())
-        return told.hexdigest()
+            digest.update(repr((key_of(*part.code), *part[2:])).encode())
+        return digest.hexdigest()
 
 
 def _channels(signals: Iterable[type]) -> list[Channel]:
@@ -134,12 +134,12 @@ def _channels(signals: Iterable[type]) -> list[Channel]:
 
 def _parts(configuration: Configuration, required: Collection[str], bare: bool) -> list[Part]:
     """The part of a method, and those of its sensors and faults."""
-    method, told, common = configuration.method, configuration.told, configuration.common
+    method, parameters, common = configuration.method, configuration.given, configuration.common
     role, vehicle, period = configuration.role, common.vehicle, common.control_period
     if method.law is None or not method.law.is_compilable:
         raise ParameterError(f"{role} method {method.name} is not compiled, which an export needs: mark it @compilable")
-    given = Given(law_of(method), told, vehicle, period)
-    with in_one_line(method, told, vehicle, period) as look_at:
+    given = Given(law_of(method), parameters, vehicle, period)
+    with in_one_line(method, parameters, vehicle, period) as look_at:
         code = code_of(method, given)
         look_at(reach_of(code.text, code.names))
     constants = constants_row(given.trees, given.values["c"], period).tolist()
@@ -157,7 +157,7 @@ def _parts(configuration: Configuration, required: Collection[str], bare: bool) 
 def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
     """The numbers among the parameters that nothing else is made of before the first step."""
     law, used = law_of(configuration.method), set[str]()
-    parameters, common = _watched(configuration.told, used), configuration.common
+    parameters, common = _watched(configuration.given, used), configuration.common
     if law.prepare:
         law.prepare(parameters, common.vehicle, common.control_period)
     for need in law.needs:
@@ -168,7 +168,7 @@ def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
     places = {name: len(HEAD) + n for n, name in enumerate(_names(given.trees["p"]))}
     return [
         Tunable(f"{configuration.role}.{each.name}", each.spec.unit, *_bounds(each.spec), places[each.name])
-        for each in entries(configuration.told)
+        for each in entries(configuration.given)
         if each.type is float and not each.is_array and not each.spec.read_only and each.name not in used
     ]
 

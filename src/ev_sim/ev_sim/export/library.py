@@ -93,12 +93,12 @@ class Library:
         environment.filters.update(rows=_rows, number=_number)
         written = []
         for template in templates:
-            text = environment.get_template(template).render({**self._told(target), **more})
+            text = environment.get_template(template).render({**self._given(target), **more})
             written.append(folder / file_name(template, self.name))
             written[-1].write_text(f"{text.strip()}\n", encoding="utf-8")
         return written
 
-    def _told(self, target: Target) -> dict[str, Any]:
+    def _given(self, target: Target) -> dict[str, Any]:
         return {
             "name": self.name,
             "upper": self.name.upper(),

@@ -11,7 +11,7 @@ from ev_core.methods.register import methods_of
 # kind of colour vision. The dashes differ in grey, too, and let a curve be seen under another one.
 HUES = (
     *("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#7F7F7F"),
-    *("#332288", "#882255", "#999933", "#117733", "#AA4499", "#CC6677", "#44AA99", "#DDCC77"),
+    *("#332288", "#882255", "#999933", "#117733", "#AA4499", "#CC6677", "#44AA99", "#DDCC77", "#661100"),
 )
 DASHES = ("-", "--", ":", "-.")
 PUBLISHED: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.4, "zorder": 3}

@@ -1,6 +1,6 @@
 """What is stepped from outside: a car, for loops of one's own, as the graph with some of its roles left out.
 
-And one law on its own, stepped by channels: what a learner imitates and what an FMU of a law holds.
+And one law on its own, stepped by channels: what a learner imitates.
 """
 
 from __future__ import annotations

@@ -59,7 +59,7 @@ def grow_older(s: Inverter, duration: float) -> None:
 def missing_set_point(s: Inverter, timeout: float, period: float) -> int:
     """The bit of the fault that names why there has been no valid set-point for `timeout` [s]; 0 if there has been.
 
-    To half a period, so that it does not hang on how the age was rounded.
+    To half a period, so that it does not depend on how the age was rounded.
     """
     if s.supervision.age < timeout - 0.5 * period:
         return 0

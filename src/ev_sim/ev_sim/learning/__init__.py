@@ -10,5 +10,5 @@ IDS = {  # -> arguments of Environment
     "ev_sim/Steering-v0": {"scenario": "double_lane_change", "action": "steering"},
 }  # fmt: skip
 
-for _id, _told in IDS.items():
-    extra("gymnasium", "gymnasium").register(_id, "ev_sim.learning.environment:Environment", kwargs=_told)
+for _id, _arguments in IDS.items():
+    extra("gymnasium", "gymnasium").register(_id, "ev_sim.learning.environment:Environment", kwargs=_arguments)

@@ -82,6 +82,9 @@ def _free(name: str, known: Mapping[str, Any]) -> FreeParameter:
     place, entry = -1, known.get(name)
     if entry is None and array in known and known[array].is_array:
         entry, values = known[array], known[array].default
+        if array in _MF.values() and not values:
+            allowed = "a car with tyres of curve mf_tyre; of others the group curve"
+            raise ParameterError(f"--free {name} is refused: the car has no {array}, allowed is {allowed}")
         names = MF_NAMES if array in _MF.values() else tuple(map(str, range(len(values))))
         if element not in names[: len(values)]:
             raise unknown_name(f"element of {array}, which has {len(values)} of them,", element, names)

@@ -14,7 +14,7 @@ from ev_sim.measured.free_parameters import FreeParameter, changes
 from ev_sim.measured.identification import Fitted
 from ev_sim.measured.intervals import Knowledge, in_words
 from ev_sim.measured.open_loop import COMPARED, OpenLoop
-from ev_sim.measured.record import quoted_source
+from ev_sim.measured.records.record import quoted_source
 from ev_sim.measured.validation import FILES, Validation
 from ev_sim.measured.vehicle_text import parameter_text, vehicle_text
 from ev_sim.recording.recording import atomic_file
@@ -66,7 +66,7 @@ class Identified:
         return lines
 
     def table(self) -> str:
-        """Parameters, then errors before and after on both parts, then what cannot be told."""
+        """Parameters, then errors before and after on both parts, then what the record does not determine."""
         rows = [
             [each.name, f"{each.start:.6g}", f"{value:.6g}", f"{low:.4g}", f"{high:.4g}", f"{deviation:.2g}", each.unit]
             for each, value, (low, high), deviation in zip(
@@ -87,7 +87,7 @@ class Identified:
         ]
         heads = ("part", "signal", "unit", "rms before", "median window", "rms after", "median", "windows left")
         unknown = in_words(self.known, self.free)
-        lines = [f"cannot be told by this record: {line}; kept near the start" for line in unknown]
+        lines = [f"not determined by this record: {line}; kept near the start" for line in unknown]
         return "\n".join(
             [text_table(columns, rows, ("parameter", "unit")), "", text_table(heads, errors, heads[:3]), *lines]
         )

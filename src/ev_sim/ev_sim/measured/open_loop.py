@@ -10,12 +10,14 @@ import numpy as np
 
 from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.lockstep.graph import check_graph
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.batch import batch
-from ev_sim.measured.record import (
+from ev_sim.measured.records.record import (
     LATERAL,
     LATERAL_ACCELERATION,
     LONGITUDINAL,
+    LONGITUDINAL_ACCELERATION,
     ROAD_WHEEL_ANGLE,
     SIDESLIP,
     STEERING_WHEEL_ANGLE,
@@ -26,8 +28,19 @@ from ev_sim.scenarios.about import vehicle_file
 from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.scenario import Overrides
 
-COMPARED = {YAW_RATE: "rad/s", SIDESLIP: "rad", LATERAL: "m/s", LATERAL_ACCELERATION: "m/s2"}
+COMPARED = {
+    **{YAW_RATE: "rad/s", SIDESLIP: "rad", LATERAL: "m/s", LATERAL_ACCELERATION: "m/s2"},
+    **{LONGITUDINAL: "m/s", LONGITUDINAL_ACCELERATION: "m/s2"},
+}
 HOLD = 0.2  # [s], ten times the lag of the loads: wheels, carcasses and loads settle while the body is held
+LEAD = 1.0  # [s] that a car drives ahead of a window whose lateral velocity nobody has measured, to have its own
+_DRIVE, _BRAKE = "driver.command.drive_torque", "driver.command.brake_torque"
+# What is imposed besides the angle, and the channels that have it; those of the wheels are added up.
+IMPOSED: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
+    "speed": ((), ()),
+    "pedals": ((_DRIVE,), (_BRAKE,)),
+    "torques": tuple([f"torque_command.{kind}.{wheel}" for wheel in WHEEL_NAMES] for kind in ("drive", "brake")),
+}
 
 
 @dataclass(frozen=True)
@@ -66,7 +79,9 @@ def windows_of(record: MeasuredRecord, length: float, begin: float = 0.0, end: f
             first.append(place)
             place += size - 1
     if not first:
-        raise ParameterError(f"{record.source}: no window of {length:g} s without a gap")
+        begin, end = (round(share * len(record.valid)) * record.period for share in (begin, end))
+        where = f"from {begin:.1f} s to {end:.1f} s of {record.source}"
+        raise ParameterError(f"no window of {length:g} s without a gap {where}, allowed is a shorter --window, or more")
     return Windows(np.array(first), size)
 
 
@@ -107,9 +122,10 @@ def graph(vehicle: str, period: float, changed: Overrides | None = None) -> dict
 class OpenLoop:
     """Replays windows of a record for any number of cars at once.
 
-    The car is driven as the record was: longitudinal velocity and road-wheel angle are imposed, lateral velocity and
-    yaw rate are those that were measured when the window begins, all else follows. ParameterError if the record lacks
-    one of them.
+    The car is driven as the record was: road-wheel angle and, by `imposed`, longitudinal velocity, pedals or the sum of
+    the wheel torques. Velocities and yaw rate are those that were measured when the window begins, all else follows. A
+    car whose lateral velocity was not measured begins `LEAD` before the window without any. ParameterError if the
+    record lacks what is imposed.
     """
 
     def __init__(
@@ -118,25 +134,36 @@ class OpenLoop:
         windows: Windows,
         configurations: Mapping[str, Configuration],
         signals: Sequence[str] = (LATERAL, YAW_RATE, LATERAL_ACCELERATION),
+        imposed: str = "speed",
     ) -> None:
         self.record, self.windows = record, windows
         self._signals = (*dict.fromkeys((LONGITUDINAL, *signals)),)
         self.configurations = configurations
-        self._lead = round(HOLD / record.period)
+        self.is_imposed = imposed == "speed"
+        held = LATERAL in record.channels
+        self._lead = round((HOLD if held else LEAD) / record.period)
         size = self._lead + windows.size
         # Before the record begins, its first instant.
         ahead = np.maximum(windows.first[:, None] + np.arange(-self._lead, windows.size), 0)
+        begin = windows.first if held else ahead[:, 0]
         time = [round(n * record.period, 9) for n in range(size)]
         speed = record[LONGITUDINAL][ahead]
         self._fixed: dict[str, list[Any]] = {
+            "plant.speed": ["imposed" if self.is_imposed else "free"] * len(windows),
             "plant.imposed_speed.time": [time] * len(windows),
             "plant.imposed_speed.speed": speed.tolist(),
-            "plant.initial_speed": speed[:, 0].tolist(),
-            "plant.initial_lateral_velocity": record[LATERAL][windows.first].tolist(),
-            "plant.initial_yaw_rate": record[YAW_RATE][windows.first].tolist(),
+            "plant.initial_speed": (speed[:, 0] if self.is_imposed or not held else speed[:, self._lead]).tolist(),
+            "plant.initial_hold": [HOLD if held else 0.0] * len(windows),
+            "plant.initial_lateral_velocity": (record[LATERAL][begin] if held else np.zeros(len(begin))).tolist(),
+            "plant.initial_yaw_rate": record[YAW_RATE][begin].tolist(),
             "steering_column.time": [time] * len(windows),
             "steering_column.angle": self._angle()[ahead].tolist(),
         }
+        for name, channels in zip(("drive", "brake"), IMPOSED[imposed], strict=True):
+            if channels:
+                total = np.sum([record[channel] for channel in channels], axis=0)
+                self._fixed["driver.pedals.time"] = [time] * len(windows)
+                self._fixed[f"driver.pedals.{name}_torque"] = total[ahead].tolist()
         self._duration = time[-1]
 
     def _angle(self) -> np.ndarray:
@@ -144,6 +171,12 @@ class OpenLoop:
             return self.record[ROAD_WHEEL_ANGLE]
         ratio = self.configurations["plant"].common.vehicle.steering_ratio
         return self.record[STEERING_WHEEL_ANGLE] / ratio
+
+    @property
+    def compared(self) -> list[str]:
+        """The signals of the record that are compared."""
+        given = (LONGITUDINAL, LONGITUDINAL_ACCELERATION) if self.is_imposed else ()
+        return [name for name in COMPARED if name in self.record.channels and name not in given]
 
     def measured(self, signal: str) -> np.ndarray:
         """What the record has, (windows, size)."""

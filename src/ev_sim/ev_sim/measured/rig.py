@@ -10,7 +10,7 @@ import numpy as np
 from ev_core.parameters.data_file import SIGNALS, read_data
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measured.magic_formula import Points
-from ev_sim.measured.record import read_columns
+from ev_sim.measured.records.tables import read_columns
 
 # The names of the FSAE Tire Test Consortium, SAE axes, with the factor to SI and ISO: z is down there, y to the right.
 _COLUMNS = {

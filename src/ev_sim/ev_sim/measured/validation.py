@@ -16,7 +16,7 @@ from ev_sim.figures.saving import save_figures
 from ev_sim.figures.sheets import Sheet, drawn
 from ev_sim.measured.errors import Errors, by_range, by_window, errors_of, spins
 from ev_sim.measured.open_loop import COMPARED, OpenLoop
-from ev_sim.measured.record import LONGITUDINAL, SIDESLIP, YAW_RATE, quoted_source
+from ev_sim.measured.records.record import LONGITUDINAL, SIDESLIP, YAW_RATE, quoted_source
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.recording import PAGE, SIGNALS, SUMMARY, Recording, save
 from ev_sim.report.page.writing import Page, Signals, images_of, write_page
@@ -41,7 +41,7 @@ class Validation:
     @property
     def names(self) -> list[str]:
         """The signals of the record that are compared."""
-        return [name for name in COMPARED if name in self.replay.record.channels]
+        return self.replay.compared
 
     @cached_property
     def errors(self) -> Mapping[str, Errors]:
@@ -63,7 +63,9 @@ class Validation:
     @cached_property
     def spun(self) -> np.ndarray:
         """Which windows left the record (`errors.spins`)."""
-        return spins(self.simulated[SIDESLIP], self.replay.measured(SIDESLIP))
+        simulated = self.simulated[SIDESLIP]
+        known = SIDESLIP in self.replay.record.channels
+        return spins(simulated, self.replay.measured(SIDESLIP) if known else np.zeros_like(simulated))
 
     @cached_property
     def friction_used(self) -> np.ndarray:
@@ -155,7 +157,7 @@ class Validation:
         for window in order:
             begin = self.begins()[window]
             time = np.arange(self.replay.windows.size) * self.replay.record.period
-            for name in (YAW_RATE, SIDESLIP):
+            for name in [n for n in (YAW_RATE, SIDESLIP) if n in self.names]:
                 both = {"measured": self.replay.measured(name)[window], "simulated": self.simulated[name][window]}
                 panels.append(_panel(f"{readable(name)} from {begin:.1f} s", name, time, both))
             used = [Curve(time, self.friction_used[i, window], readable(w)) for i, w in enumerate(WHEEL_NAMES)]
@@ -182,7 +184,7 @@ class Validation:
             metrics=self.metrics(),
             wall_time=self.wall_time,
             notes=self.notes(),
-            about="speed and steering imposed as measured, all else simulated from the measured state on",
+            about="driven as measured, all else simulated from the measured state on",
             command=command,
         ).as_json()
         del content["differs"]

@@ -74,6 +74,7 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
     r = u delta/(L + K_us u^2) with the understeer gradient at small slip, within +-mu g/u by the mean available
     friction; without tyres there is no such limit. After Rajamani, Vehicle Dynamics and Control, 2012, chapter 8.
     """
+    _refuse_slip_speed(vehicle)
     speed, angle = channel(run, "twist.longitudinal"), channel(run, motion.ROAD_WHEEL_ANGLE)
     turned = angle * (1.0 - vehicle.rear_steering_ratio) - run.channels.get("rear_steering.state.angle", 0.0)
     wanted = speed * turned / (vehicle.wheelbase + understeer_gradient(vehicle) * speed**2)
@@ -142,10 +143,16 @@ def time_over_limit(run: Recording, vehicle: Vehicle, surfaces: Iterable[Surface
 
 def _peak_slips(vehicle: Vehicle, surfaces: Iterable[Surface]) -> Mapping[float, float]:
     """Available friction [1] -> slip of the peak [1], of each surface."""
+    _refuse_slip_speed(vehicle)
     return {
         tyre_on_road(vehicle.tyre, surface).friction: peak_slip(*curve_on_road(vehicle.tyre, surface))
         for surface in surfaces
     }
+
+
+def _refuse_slip_speed(vehicle: Vehicle) -> None:
+    if vehicle.tyre.curve == "dry_friction":
+        raise NotMeasured("the tyre's friction follows the slip speed, not the slip")
 
 
 def of_wheels(run: Recording, quantity: str) -> np.ndarray:

@@ -35,7 +35,7 @@ class DrivenRun(NamedTuple):
 def driven_run(signals: Recording, configurations: Mapping[str, Configuration]) -> DrivenRun:
     """A run of these configurations; `signals` is its true motion."""
     plant = configurations[MASTER]
-    return DrivenRun(signals, plant.common.vehicle, surfaces_of(getattr(plant.told, "road", None)))
+    return DrivenRun(signals, plant.common.vehicle, surfaces_of(getattr(plant.given, "road", None)))
 
 
 def surfaces_of(road: RoadParameters | None) -> tuple[Surface, ...]:

@@ -7,6 +7,7 @@ import math
 from ev_core.vehicle.car import GRAVITY
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.tyre import mf_tyres
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.surfaces import REFERENCE, tyre_on_road
 from ev_sim.tyres.contact_patch import sensitivity
 from ev_sim.tyres.curve import FRICTION_CURVES, SLIP_FLOOR, secant
@@ -40,6 +41,8 @@ def tyre_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE) -> tu
         tyres, scales = mf_tyres(tyre.front_mf, tyre.rear_mf), on_road[:2]
         front, rear = (2 * cornering_stiffness(tyres, 2 * n, load / 2, *scales) for n, load in enumerate(loads))
         return front, rear
+    if tyre.curve == "dry_friction":
+        raise ParameterError("vehicle.tyre.curve dry_friction has no cornering stiffness: it is one over slip speed")
     slope = tyre.lateral_ratio * secant(FRICTION_CURVES.index(tyre.curve), SLIP_FLOOR, on_road)
     front, rear = (slope * load * sensitivity(tyre, load / 2) for load in loads)
     return front, rear

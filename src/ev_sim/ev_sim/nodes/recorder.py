@@ -129,7 +129,7 @@ class RecorderNode(Spinnable, Node):
         self._reports = Reports(self, RECORDER)
         self._waiting = Waiting(self._reports.runner)
         self._input = RecorderInput(self, topics, self._recorder, p.bag, self._reports)
-        self._told = -1
+        self._reported = -1
         self._asked_since = 0.0  # wall time at which the master waited for us first
         self._progress = SignalWriter(self, TOPICS[RECORDER_WRITES])
         self.every(POLL_PERIOD, self.idle)
@@ -149,14 +149,14 @@ class RecorderNode(Spinnable, Node):
         recorder.took_all()
         held = recorder.held_stamp
         self._waiting.look(held, (MASTER,))
-        if held != self._told or recorder.asked:
+        if held != self._reported or recorder.asked:
             if silent := recorder.silent:
                 self._name(silent)
             else:
                 self._asked_since = 0.0
                 self._progress.write(held, _NOTHING)
                 self._reports.runner.tell(Word(PROGRESS, values={"stamp": recorder.held}))
-            self._told, recorder.asked = held, False
+            self._reported, recorder.asked = held, False
         if recorder.loss:
             raise RuntimeError(f"the recording has a gap: {recorder.loss}")
         if recorder.is_complete:

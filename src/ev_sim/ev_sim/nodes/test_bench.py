@@ -12,7 +12,7 @@ from std_srvs.srv import Trigger
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.part import Part
 from ev_core.nodes.stepped_node import SteppedNode
-from ev_core.run_role import run_node, told
+from ev_core.run_role import given_parameters, run_node
 from ev_sim.test_bench.sequence import OBJECTS, SEQUENCE_STEPS, Sequence, begun
 
 _ROLE, _ENABLED = "test_bench", "enabled"
@@ -68,7 +68,7 @@ class TestBenchNode(SteppedNode):
 
 def make(**node_arguments: Any) -> SteppedNode:
     """The node: in real time behind a bus it uses that, else bus or none are within the graph."""
-    with told(_ROLE, **node_arguments) as given:
+    with given_parameters(_ROLE, **node_arguments) as given:
         if given.get("mode") == "realtime" and given.get("method") == "circuits_on_can":
             from ev_sim.nodes.inverter import OnBus  # it needs python-can, which others do without
 

@@ -71,7 +71,7 @@ def true_motion(recording: Recording, configurations: Mapping[str, Configuration
     series, channels, unknown = _series(recording), dict(recording.channels), set[str]()
     for role, changed in struck.items():
         if changed:
-            truth = _said_again(configurations[role], series, changed)
+            truth = _output_again(configurations[role], series, changed)
             channels |= truth
             unknown |= changed - truth.keys()
     return Recording(recording.time, channels, recording, frozenset(unknown))
@@ -98,12 +98,12 @@ def _series(recording: Recording) -> np.ndarray:
     return series
 
 
-def _said_again(configuration: Configuration, series: np.ndarray, struck: set[str]) -> dict[str, np.ndarray]:
+def _output_again(configuration: Configuration, series: np.ndarray, struck: set[str]) -> dict[str, np.ndarray]:
     """The truth of the channels that were struck; nothing of them if the others are not those of the recording."""
-    from ev_core.lockstep.run import said_again
+    from ev_core.lockstep.run import output_again
 
     try:
-        again = said_again(configuration, series)
+        again = output_again(configuration, series)
     except SignalError:
         return {}
     places = {

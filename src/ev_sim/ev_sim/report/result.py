@@ -126,7 +126,10 @@ class Result:
 
         `attrs["units"]` has the unit of each column and of the index by name.
         """
-        from pandas import DataFrame, Index
+        try:
+            from pandas import DataFrame, Index
+        except ImportError as error:
+            raise ImportError(f"a data frame needs pandas ({error}): pip install 'ev_sim[frame]'") from None
 
         recording = self.runs[run] if run else self._only
         found = DataFrame(dict(recording.channels), index=Index(recording.time, name=TIME))

@@ -124,7 +124,7 @@ def _error_of(unit: Unit) -> str:
 def unit_of(configuration: Configuration) -> Unit | None:
     """The method of a role as it is configured; None if it runs in plain Python."""
     method, common = configuration.method, configuration.common
-    return unit_of_method(method, configuration.told, common.vehicle, common.control_period)
+    return unit_of_method(method, configuration.given, common.vehicle, common.control_period)
 
 
 def unit_of_method(method: Method, parameters: Any, vehicle: Vehicle, period: float) -> Unit | None:

@@ -195,7 +195,7 @@ class NodeReports:
 
 
 def _sums(values: Any) -> dict[str, dict[str, int]]:
-    """Sums by topic and number of a step; ValueError, TypeError or LookupError for anything else."""
+    """Sums by topic and number of a step; ValueError, TypeError or LookupError if a node reported something else."""
     return {
         topic: {str(int(step)): int(total) for step, total in dict(sums).items()}
         for topic, sums in dict(values).items()

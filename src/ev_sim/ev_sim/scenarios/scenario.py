@@ -139,8 +139,8 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
             continue
         run = _run(run_name, _Sources(namespace, files, overrides), duration, about)
         may_differ = any((overrides.vehicle, overrides.files, overrides.all_values))
-        told = _Sources(namespace, [*map(ParameterFile, overrides.files)], overrides)
-        is_scaled = may_differ and SCALE in told.values(COLUMN)
+        given = _Sources(namespace, [*map(ParameterFile, overrides.files)], overrides)
+        is_scaled = may_differ and SCALE in given.values(COLUMN)
         if about.slow_ramp.lateral_acceleration and may_differ and not is_scaled:
             of_file = _Sources(namespace, [vehicle_file(about.vehicle), own], Overrides())
             as_it_is = _run(run_name, of_file, about.duration, about)

@@ -81,7 +81,7 @@ class BenchStation(ChannelStation):
                 self._motions[device].append(payload)
             else:
                 place = FEEDBACK_WORDS * device + SET_POINT_WORDS + 2 * (kind - 1)
-                self.line.heard[place : place + 2] = words(payload)
+                self.line.feedback[place : place + 2] = words(payload)
         return frames
 
     def end_period(self, ticks: float, bit_rate: float) -> None:
@@ -93,7 +93,7 @@ class BenchStation(ChannelStation):
         for device, motions in enumerate(self._motions):
             for tick, payload in enumerate(motions):
                 place = FEEDBACK_WORDS * device + 2 * tick
-                self.line.heard[place : place + 2] = words(payload)
+                self.line.feedback[place : place + 2] = words(payload)
         channel = self.line.channel
         channel.busy, channel.latency = share * self.meter.bits, self.meter.latency * bit_rate
         channel.lost = sum(inverter.lost for inverter in self.inverters)
@@ -102,7 +102,7 @@ class BenchStation(ChannelStation):
         """Begin means and counts anew."""
         begin_period(self.s)
         self.meter.clear()
-        self.line.heard[:] = [NO_FRAME] * len(self.line.heard)
+        self.line.feedback[:] = [NO_FRAME] * len(self.line.feedback)
         for motions in self._motions:
             motions.clear()
 
@@ -123,9 +123,9 @@ class BenchOnBus(LawObject):
             circuit: BenchStation(p, c, number, *places[number], meters[circuit])
             for number, circuit in enumerate(CIRCUITS)
         }
-        self._tick = self._told = 0.0  # cycles so far, and those until the last instant
+        self._tick = self._last_tick = 0.0  # cycles so far, and those until the last instant
         self._has_begun = False
-        self._said = super().outputs()
+        self._last_outputs = super().outputs()
         self.advance = self._take
 
     def receive(self, circuit: str, frame: Frame) -> None:
@@ -138,9 +138,9 @@ class BenchOnBus(LawObject):
         self._tick += ticks
         return [(name, frame) for name, one in self._circuits.items() for frame in one.cycle(before, ticks)]
 
-    def _take(self, _said: SetPointFrames, battery: BatteryCondition) -> None:
+    def _take(self, _set_points: SetPointFrames, battery: BatteryCondition) -> None:
         """An instant: what has happened since the last one; with the first one time begins for faults."""
-        s, c, ticks = self.given["s"], self.given["c"], self._tick - self._told
+        s, c, ticks = self.given["s"], self.given["c"], self._tick - self._last_tick
         s.voltage = battery.voltage
         if ticks == 0.0:
             return
@@ -148,16 +148,16 @@ class BenchOnBus(LawObject):
             circuit.end_period(ticks, self.given["p"].bus.bit_rate)
         if not self._has_begun:
             self._has_begun, self._tick = True, 0.0
-        s.periods, self._told = self._tick / c.ticks, self._tick
-        self._said = super().outputs()
+        s.periods, self._last_tick = self._tick / c.ticks, self._tick
+        self._last_outputs = super().outputs()
         for circuit in self._circuits.values():
             circuit.begin_period()
 
     def goes_on(self) -> None:
         """Time has begun."""
         self._has_begun = True
-        self._tick = self._told = self.given["s"].periods * self.given["c"].ticks
+        self._tick = self._last_tick = self.given["s"].periods * self.given["c"].ticks
 
     def outputs(self) -> tuple[Any, ...]:
         """As at the last instant."""
-        return self._said
+        return self._last_outputs

@@ -92,10 +92,10 @@ class Line:
 
     channel: bus.ChannelState = part(bus.ChannelState)
     fault: BusFaultState = part(BusFaultState)
-    said: list[float] = series(
+    set_points: list[float] = series(
         2 * SET_POINT_WORDS + 1, NO_FRAME, unit="1", about="set-points of both devices, heartbeat"
     )
-    heard: list[float] = series(2 * FEEDBACK_WORDS, NO_FRAME, unit="1", about="feedback of both devices")
+    feedback: list[float] = series(2 * FEEDBACK_WORDS, NO_FRAME, unit="1", about="feedback of both devices")
 
 
 class ChannelPlace(NamedTuple):
@@ -115,7 +115,7 @@ def advance_can_circuit(
     circuit.begin_period(s)
     bus.next_period(line.channel)
     for place in range(2 * FEEDBACK_WORDS):
-        line.heard[place] = NO_FRAME
+        line.feedback[place] = NO_FRAME
     for tick in range(int(c.ticks)):
         _tick(p, c, which, s, line, tick, periods * c.ticks + tick)
     circuit.end_period(p, c.circuits, s, c.ticks * TICK)
@@ -152,9 +152,9 @@ def _release_set_points(line: Line, tick: int) -> None:
     """Of both devices, and in the first tick the heartbeat."""
     for device in range(2):
         place = SET_POINT_WORDS * device + 2 * tick
-        if are_words(line.said[place], line.said[place + 1]):
-            bus.release(line.channel, SET_POINT + device, 0.0, line.said[place], line.said[place + 1])
-    beat = line.said[2 * SET_POINT_WORDS]
+        if are_words(line.set_points[place], line.set_points[place + 1]):
+            bus.release(line.channel, SET_POINT + device, 0.0, line.set_points[place], line.set_points[place + 1])
+    beat = line.set_points[2 * SET_POINT_WORDS]
     if tick == 0 and are_words(beat, 0.0):
         bus.release(line.channel, HEARTBEAT, 0.0, beat, 0.0)
 
@@ -184,5 +184,5 @@ def _hear(line: Line, tick: int) -> None:
             low, high = bus.take(line.channel, PLACES_SENT[kind] + device)
             if low >= 0.0:
                 place = FEEDBACK_WORDS * device + (2 * tick if kind == MOTION else SET_POINT_WORDS + 2 * (kind - 1))
-                line.channel.lost += 1.0 if line.heard[place] >= 0.0 else 0.0
-                line.heard[place], line.heard[place + 1] = low, high
+                line.channel.lost += 1.0 if line.feedback[place] >= 0.0 else 0.0
+                line.feedback[place], line.feedback[place + 1] = low, high

@@ -48,7 +48,7 @@ class CanCircuitsState(CircuitsState):
 
     line_11: Line = part(Line)
     line_12: Line = part(Line)
-    said: list[float] = series(4 * SET_POINT_WORDS + 2, NO_FRAME, unit="1", about="as in SetPointFrames")
+    set_points: list[float] = series(4 * SET_POINT_WORDS + 2, NO_FRAME, unit="1", about="as in SetPointFrames")
 
 
 def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) -> CanConstants:
@@ -107,7 +107,7 @@ def outputs(
         shafts.load_torque,
         shafts.load_speed,
     )
-    right, left = s.line_11.heard, s.line_12.heard
+    right, left = s.line_11.feedback, s.line_12.feedback
     frames = FeedbackFrames(
         right[0], right[1], right[2], right[3], right[4], right[5], right[6], right[7],
         right[8], right[9], right[10], right[11], right[12], right[13], right[14], right[15],
@@ -156,12 +156,12 @@ def circuits_on_can(
     c: CanConstants,
     s: CanCircuitsState,
     period: float,
-    said: SetPointFrames,
+    set_points: SetPointFrames,
     battery: BatteryCondition,
 ) -> None:
     """The same circuits, with all four inverters behind a CAN bus and CiA 402."""
     s.voltage = battery.voltage
-    _say(s, said)
+    _say(s, set_points)
     right = ChannelPlace(0, c.frames.drive_11, c.frames.load_11, c.channel_11)
     left = ChannelPlace(1, c.frames.drive_12, c.frames.load_12, c.channel_12)
     advance_can_circuit(p, c, right, s.circuits[int(c.right)], s.line_11, s.periods)
@@ -170,17 +170,20 @@ def circuits_on_can(
 
 
 @compilable
-def _say(s: CanCircuitsState, said: SetPointFrames) -> None:
+def _say(s: CanCircuitsState, set_points: SetPointFrames) -> None:
     """Keep the words of both circuits in records; compiled, a tuple of so many would be copied with each call."""
-    s.said[:] = said
+    s.set_points[:] = set_points
     for place in range(SET_POINT_WORDS):
-        s.line_11.said[place], s.line_12.said[place] = s.said[place], s.said[SET_POINT_WORDS + place]
-        loads = 2 * SET_POINT_WORDS + 2 + place
-        s.line_11.said[SET_POINT_WORDS + place], s.line_12.said[SET_POINT_WORDS + place] = (
-            s.said[loads],
-            s.said[SET_POINT_WORDS + loads],
+        s.line_11.set_points[place], s.line_12.set_points[place] = (
+            s.set_points[place],
+            s.set_points[SET_POINT_WORDS + place],
         )
-    s.line_11.said[2 * SET_POINT_WORDS], s.line_12.said[2 * SET_POINT_WORDS] = (
-        s.said[2 * SET_POINT_WORDS],
-        s.said[2 * SET_POINT_WORDS + 1],
+        loads = 2 * SET_POINT_WORDS + 2 + place
+        s.line_11.set_points[SET_POINT_WORDS + place], s.line_12.set_points[SET_POINT_WORDS + place] = (
+            s.set_points[loads],
+            s.set_points[SET_POINT_WORDS + loads],
+        )
+    s.line_11.set_points[2 * SET_POINT_WORDS], s.line_12.set_points[2 * SET_POINT_WORDS] = (
+        s.set_points[2 * SET_POINT_WORDS],
+        s.set_points[2 * SET_POINT_WORDS + 1],
     )

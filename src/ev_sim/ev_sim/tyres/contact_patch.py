@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ev_core.law import inlined, sqrt
 from ev_core.vehicle.tyre import MfTyres, Tyre
-from ev_sim.tyres.curve import SLIP_FLOOR, Coefficients, secant
+from ev_sim.tyres.curve import DRY_FRICTION, SLIP_FLOOR, Coefficients, secant
 from ev_sim.tyres.mf_tyre import AtLoad, forces
 
 Pair = tuple[float, float]  # along and across the wheel
@@ -73,6 +73,9 @@ def slip_vector(tyre: Tyre, on_road: Coefficients, slid: Pair, transport: float,
     model.
     """
     stretched = tyre.lateral_ratio * slid[1]
+    if tyre.curve == DRY_FRICTION:
+        rubbed = transport * secant(tyre.curve, sqrt(slid[0] * slid[0] + stretched * stretched), on_road)
+        return rubbed, tyre.lateral_ratio * rubbed
     slip = sqrt(slid[0] * slid[0] + stretched * stretched) / transport
     if slip > AHEAD:
         contact_y = tyre.lateral_ratio * contact[1]

@@ -58,9 +58,25 @@ def two_exponential(slip: float, full_slip: float, rise: float, fall: float, _fo
     return full_slip * (1.0 - exp(-slip / rise)) * (1.0 + exp(-slip / fall))
 
 
-# One curve over the slip each, but for mf_tyre (`mf_tyre.forces`).
-FRICTION_CURVES = ("burckhardt", "rational", "two_exponential", "magic_formula", "linear", "mf_tyre")
-BURCKHARDT, RATIONAL, TWO_EXPONENTIAL, MAGIC_FORMULA, LINEAR_FRICTION, MF_TYRE = range(len(FRICTION_CURVES))
+@inlined
+def dry_friction(speed: float, adhesion: float, adhesion_speed: float, sliding: float, sliding_speed: float) -> float:
+    """Friction use over slip speed, which rises to `adhesion` and falls to `sliding` by cubics that end level.
+
+    Slip speed [m/s] is at least 0; mu_A, mu_S [1] at the speeds v_A < v_S [m/s]; returns [1].
+    Source: Modelica library PlanarMechanics, DryFrictionWheelJoint and limitByStriple.
+    """
+    if speed <= adhesion_speed:
+        x = speed / adhesion_speed
+        return adhesion * x * (1.5 - 0.5 * x * x)
+    x = 2.0 * min((speed - adhesion_speed) / (sliding_speed - adhesion_speed), 1.0) - 1.0
+    return 0.5 * (adhesion + sliding + (sliding - adhesion) * x * (1.5 - 0.5 * x * x))
+
+
+# One curve over the slip each, but for dry_friction over the slip speed, and mf_tyre (`mf_tyre.forces`).
+FRICTION_CURVES = ("burckhardt", "rational", "two_exponential", "magic_formula", "linear", "mf_tyre", "dry_friction")
+BURCKHARDT, RATIONAL, TWO_EXPONENTIAL, MAGIC_FORMULA, LINEAR_FRICTION, MF_TYRE, DRY_FRICTION = range(
+    len(FRICTION_CURVES)
+)
 
 # Slip at which the slope of a curve at zero slip is taken: small against any peak, large against rounding.
 SLIP_FLOOR = 1e-6
@@ -80,7 +96,7 @@ class Coefficients(NamedTuple):
 
 @inlined
 def friction(curve: float, slip: float, c: Coefficients) -> float:
-    """Friction use [1] at a slip [1] of at least 0, of the curve with this place in `FRICTION_CURVES`."""
+    """Friction use [1] at a slip [1], or slip speed [m/s], from 0 on, of the curve at this place of FRICTION_CURVES."""
     if curve == BURCKHARDT:
         return burckhardt(slip, c.c0, c.c1, c.c2, c.c3)
     if curve == RATIONAL:
@@ -89,6 +105,8 @@ def friction(curve: float, slip: float, c: Coefficients) -> float:
         return two_exponential(slip, c.c0, c.c1, c.c2, c.c3)
     if curve == MAGIC_FORMULA:
         return magic_formula(slip, c.c0, c.c1, c.c2, c.c3)
+    if curve == DRY_FRICTION:
+        return dry_friction(slip, c.c0, c.c1, c.c2, c.c3)
     return linear(slip, c.c0, c.c1, c.c2, c.c3)
 
 
@@ -143,6 +161,9 @@ def soften(curve: float, tyre: Any, share: float) -> None:
     elif curve == TWO_EXPONENTIAL:
         tyre.c1 /= share
         tyre.c2 /= share
+    elif curve == DRY_FRICTION:
+        tyre.c1 /= share
+        tyre.c3 /= share
     elif curve in (MAGIC_FORMULA, LINEAR_FRICTION):
         tyre.c0 *= share
     elif curve == MF_TYRE:

@@ -40,7 +40,7 @@ class Silence:
     def answered(self) -> None:
         """A step was taken; the clock is read when nothing comes after it."""
         self._since: float | None = None
-        self._said: tuple[object, ...] = ()
+        self._reported: tuple[object, ...] = ()
 
     def name_after(self, timeout: float, missing: tuple[type, ...], now: int) -> None:
         """Say who is missing at a stamp, once every `timeout` seconds of wall time."""
@@ -55,8 +55,8 @@ class Silence:
         wanted = {*REQUIRED, *(WRITERS[kind] for kind in missing)}
         gone = [role for role in ROLES if role in wanted and role not in there]
         where = f"not in the graph: {', '.join(gone)}" if gone else "all nodes are in the graph, one does not answer"
-        if (where, missing) != self._said:
-            self._said = where, missing
+        if (where, missing) != self._reported:
+            self._reported = where, missing
             waits = ", ".join([f"{kind.__name__} of {WRITERS[kind]}" for kind in missing] or ["the recorder"])
             at = stamps.to_seconds(now)
             self._node.get_logger().error(f"waiting for {waits} at {at} s for {wall - self._since:.1f} s; {where}")

@@ -87,9 +87,9 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every control on every road."""
     noise = tuple(("plant", f"sensors.{sensor}.noise", deviation) for sensor, deviation in NOISE.items())
     return [
-        Case(f"{road}: {name}", SCENARIO, (*noise, *SITUATIONS[road].values(), *told), run, duration=LONGEST_STOP)
+        Case(f"{road}: {name}", SCENARIO, (*noise, *SITUATIONS[road].values(), *values), run, duration=LONGEST_STOP)
         for road in getattr(given, "roads", None) or SITUATIONS
-        for name, (run, told) in CONTROLS.items()
+        for name, (run, values) in CONTROLS.items()
     ]
 
 

@@ -1,4 +1,4 @@
-"""What the efficiencies of the five methods hang on: one assumption at a time is changed."""
+"""How the efficiencies of the five methods depend on assumptions: one at a time is changed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ev_sim.measures.metric import Metric, mean_over_seeds
 from ev_sim.study.study import Case, Results
 from ev_sim.surfaces import SURFACES
 
-ABOUT = "Dissertation, five methods - what the wheel efficiencies hang on, one assumption changed at a time"
+ABOUT = "Dissertation, five methods - how the wheel efficiencies depend on assumptions, one changed at a time"
 
 
 COLUMNS = ("what is assumed otherwise", *(f"method {method}" for method in METHODS))

@@ -134,6 +134,11 @@ int32_t {{ name }}_set_input({{ name }} *it, int32_t index, double value)
     return 0;
 }
 
+double {{ name }}_input(const {{ name }} *it, int32_t index)
+{
+    return index < 0 || index >= {{ upper }}_INPUTS ? (double)NAN : it->frame[it->instant & 1][{{ name }}_inputs[index].place];
+}
+
 int32_t {{ name }}_set_parameter({{ name }} *it, int32_t index, double value)
 {
     if (index < 0 || index >= {{ upper }}_PARAMETERS) return {{ upper }}_NO_SUCH_INDEX;

@@ -72,7 +72,7 @@ class PlanarParameters(DriveParameters):
     )
     initial_yaw_rate: float = setting(0.0, unit="rad/s", low=-10.0, high=10.0, about="at the start", lateral=True)
     initial_hold: float = setting(
-        0.0, unit="s", low=0.0, high=10.0, about="so long both of these stay, and wheels, carcasses and loads settle"
+        0.0, unit="s", low=0.0, high=10.0, about="so long these and a free speed stay; wheels, carcasses, loads settle"
     )
     initial_drive_torque: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0, 0.0),

@@ -83,7 +83,7 @@ class PlanarOnBenchState(PlanarState):
 
     measured_torque: list[float] = per_wheel(unit="N m", about="of the machine with its rotor, at the shaft")
     measured_speed: list[float] = per_wheel(unit="rad/s", about="of the shaft")
-    told_speed: list[float] = per_wheel(unit="rad/s", about="of the wheel, the last set-point of the load machine")
+    set_speed: list[float] = per_wheel(unit="rad/s", about="of the wheel, the last set-point of the load machine")
     apart: list[float] = per_wheel(unit="rad/s", about="of the wheel: load machine less its set-point")
     measured_power: float = entry(unit="W", about="that the machines took from the battery")
 
@@ -92,7 +92,7 @@ def at_start(p: PlanarOnBenchParameters, car: Car, c: PlanarConstants) -> Planar
     """As the planar plant begins; the shafts rest."""
     s: PlanarOnBenchState = begin(p, car, c, PlanarOnBenchState)
     for i in range(4):
-        s.told_speed[i] = s.motion[WHEEL_SPEED + i]
+        s.set_speed[i] = s.motion[WHEEL_SPEED + i]
     return s
 
 
@@ -111,9 +111,9 @@ def outputs(
 ) -> tuple[*Seen, LoadCommand]:
     """All signals at the instant of the state; torque and speed of the motors are those that were measured."""
     steps = working_memory(STEP_MEMORY)
-    said = seen(p, car, c, s, steps)
+    plain = seen(p, car, c, s, steps)
     motors = MotorStates(wheels_from(s.measured_speed, 0), wheels_from(s.measured_torque, 0))
-    return said[0], motors, said[2], said[3], said[4], said[5], said[6], _load(p.load, car, c, s, steps[0])
+    return plain[0], motors, plain[2], plain[3], plain[4], plain[5], plain[6], _load(p.load, car, c, s, steps[0])
 
 
 @compilable
@@ -177,12 +177,12 @@ def planar_on_bench(
             # machine goes on from its last one, the speed J w' = i M - F_x r - M_f - M_brake of the virtual wheel. The
             # difference between both, held over a period, is what the load machine does not follow. One that follows
             # a constant ignores the wheel, which begins each period with the measured speed.
-            speed, told = shafts.load_speed[i] / car.gear_ratio, s.motion[WHEEL_SPEED + i] - s.apart[i]
+            speed, set_point = shafts.load_speed[i] / car.gear_ratio, s.motion[WHEEL_SPEED + i] - s.apart[i]
             if p.load.follows != ROAD:
-                told = s.told_speed[i] = accepted(s.guard, speed, told, -_MOST_SPEED, _MOST_SPEED)
-            behind = speed - s.told_speed[i]
-            s.apart[i], s.told_speed[i] = accepted(s.guard, behind, 0.0, -_MOST_APART, _MOST_APART), told
-            s.motion[WHEEL_SPEED + i] = told + s.apart[i]
+                set_point = s.set_speed[i] = accepted(s.guard, speed, set_point, -_MOST_SPEED, _MOST_SPEED)
+            behind = speed - s.set_speed[i]
+            s.apart[i], s.set_speed[i] = accepted(s.guard, behind, 0.0, -_MOST_APART, _MOST_APART), set_point
+            s.motion[WHEEL_SPEED + i] = set_point + s.apart[i]
     driven, voltage, current = car.driven, electrical.voltage, electrical.current
     front = driven[0] * voltage[0] * current[0] + driven[1] * voltage[1] * current[1]
     power = front + (driven[2] * voltage[2] * current[2] + driven[3] * voltage[3] * current[3])

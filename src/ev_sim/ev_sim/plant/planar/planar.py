@@ -19,6 +19,7 @@ from ev_sim.plant.planar.body import book_push, integrate, push_at_wheels, steer
 from ev_sim.plant.planar.contact import find_road
 from ev_sim.plant.planar.given import (
     AT_WHEELS,
+    SPEED_FREE,
     SPEED_IMPOSED,
     PlanarParameters,
     deflate,
@@ -111,6 +112,8 @@ def advance(
         integrate(y, p, car, c.body, step, h)
         if s.periods * period <= p.initial_hold + 0.5 * period:
             y[state.VY], y[state.YAW_RATE] = p.initial_lateral_velocity, p.initial_yaw_rate
+            if p.speed == SPEED_FREE:
+                y[state.VX] = p.initial_speed
         for i in range(4):
             step.turned[i] += y[state.WHEEL_ANGLE + i]
             s.mean_drive[i] += step.drive[i] / c.steps

@@ -211,7 +211,7 @@ def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tu
         (parameters.initial_speed == 0.0, "an initial_speed other than 0"),
         (parameters.drive in DRIVE_MODELS, "drive torque_controlled"),
         (not has_own_motors(vehicle), "vehicle.driveline.coupling individual"),
-        (vehicle.tyre.curve == "mf_tyre", "a vehicle.tyre.curve other than mf_tyre"),
+        (vehicle.tyre.curve in ("mf_tyre", "dry_friction"), "a vehicle.tyre.curve over slip, not mf_tyre"),
         (undriven, f"a motor at {', '.join(undriven)}"),
     ):
         if any(torques) and lacks:

@@ -17,6 +17,7 @@ from ev_core.parameters.data_file import TIME
 from ev_core.parameters.declaration import entries
 from ev_core.vehicle.description import Vehicle
 from ev_sim.figures.sheets import Figure
+from ev_sim.figures.strokes import strokes_of
 from ev_sim.measures.handling import has_spun
 from ev_sim.measures.metric import Runs
 from ev_sim.recording.recording import Recording, atomic_file
@@ -142,14 +143,17 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
         return {"block": block, **{name: value for name, value in packed._asdict().items() if name != "text"}}
 
     runs = []
+    labels = [_label(result, name) for result in results for name in result.runs]
+    strokes = strokes_of(labels) if len(labels) > 1 else {}
     for result in results:
         for name, run in result.runs.items():
-            car = result.vehicle
+            car, label = result.vehicle, _label(result, name)
             channels = {**run.channels, **(view_channels(run, car) if car else {})}
             thinned = envelope(Recording(run.time, channels), every)
             runs.append(
                 {
-                    "name": f"{result.label}: {name}" if result.label else name,
+                    "name": label,
+                    "stroke": strokes.get(label.replace("_", " ")),
                     "car": car_of(car) if car else None,
                     "spun": name in result.spun or has_spun(run),
                     "time": placed(pack(thinned.time, planes=3, step=_period(run.time))),
@@ -159,6 +163,10 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
     names = dict.fromkeys(key for run in runs for key in run["channels"] if not key.startswith(PREFIX))
     units = {name: unit for result in results for name, unit in result.units.items()}
     return SignalData({"runs": runs, "groups": groups_of(names, units)}, list(places), _precision(planes, every))
+
+
+def _label(result: Signals, name: str) -> str:
+    return f"{result.label}: {name}" if result.label else name
 
 
 def _period(time: np.ndarray) -> float | None:
@@ -182,8 +190,8 @@ def by_result(summaries: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]
     rows = []
     for name in names:
         found = [summary["metrics"].get(name) for summary in summaries.values()]
-        told = next(metric for metric in found if metric)
-        rows.append({"name": name, "unit": told["unit"], "found": found, "told": told})
+        first = next(metric for metric in found if metric)
+        rows.append({"name": name, "unit": first["unit"], "found": found, "first": first})
     return rows
 
 

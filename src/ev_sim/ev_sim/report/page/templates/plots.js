@@ -1,7 +1,8 @@
 "use strict";
 // Time series, one plot for each quantity, drawn when it comes into sight.
 
-const STROKES = [["#0072B2", []], ["#D55E00", [8, 4]], ["#009E73", [2, 3]], ["#A0508A", [10, 4, 2, 4]]];
+const DASHES = { "-": [], "--": [8, 4], ":": [2, 3], "-.": [10, 4, 2, 4] };
+const STROKES = [["#0072B2", "-"], ["#D55E00", "--"], ["#009E73", ":"], ["#A0508A", "-."]]; // of the channels of one run
 const HEIGHT = 206;
 const plots = new Map(); // holder -> Plot, of all that are on the page
 
@@ -113,10 +114,10 @@ function optionsOf(plot, width) {
     axes: [{ size: 32, label: "time [s]", labelSize: 16, labelFont: "12px system-ui, sans-serif" }, { size: 66, space: 24, values: (chart, ticks) => ticks.map(digits) }],
     series: [
       { label: "time", value: (chart, value) => `${digits(value)} s` },
-      ...plot.curves.map(({ label, stroke: [colour, dash] }) => ({
+      ...plot.curves.map(({ label, stroke: [colour, dashes] }) => ({
         label: label || plot.title,
         stroke: colour,
-        dash,
+        dash: DASHES[dashes],
         width: 1.3,
         points: { show: false },
         value: (chart, value) => digits(value),

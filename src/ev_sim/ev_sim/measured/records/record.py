@@ -1,23 +1,15 @@
-"""Records of measured signals: a CSV file and the mapping that says what its columns are."""
+"""Records of measured signals, at equally spaced instants at the centre of mass, and where they are not believed."""
 
 from __future__ import annotations
 
-import hashlib
-import lzma
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import yaml
 
-from ev_core.parameters.data_file import MEGABYTE, SIGNALS, TEXT, read_data
 from ev_core.parameters.declaration import parameter, setting
-from ev_core.parameters.values import build
-from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.scenarios.parameter_file import read_yaml
 
 YAW_RATE, LATERAL, LONGITUDINAL = "twist.yaw_rate", "twist.lateral", "twist.longitudinal"
 LATERAL_ACCELERATION, LONGITUDINAL_ACCELERATION = "imu.lateral_acceleration", "imu.longitudinal_acceleration"
@@ -37,7 +29,10 @@ _FLIPPED = (YAW_RATE, "imu.yaw_rate", LATERAL, LATERAL_ACCELERATION, ROAD_WHEEL_
 class ColumnParameters:
     """What a column of a record is."""
 
-    column: str = setting("", about="its name in the header of the file")
+    column: str = setting(
+        "", about="name in the header of the file; of a bag TOPIC:FIELD, such as /imu:angular_velocity.z; of a CAN log "
+        "MESSAGE.SIGNAL"
+    )  # fmt: skip
     unit: str = setting("1", choices=tuple(UNITS), about="of the numbers of the column")
     sign: float = setting(
         1.0, unit="1", low=-1.0, high=1.0, about="-1 for a sensor that is mounted the other way round"
@@ -47,6 +42,10 @@ class ColumnParameters:
     )
     x: float = setting(0.0, unit="m", low=-20.0, high=20.0, about="of the sensor, ahead of the centre of mass")
     y: float = setting(0.0, unit="m", low=-5.0, high=5.0, about="of the sensor, left of the centre of mass")
+
+    def factor(self, channel: str) -> float:
+        """From the numbers of the column to SI and REP-103."""
+        return UNITS[self.unit] * self.sign * (-1.0 if self.frame == "sae" and channel in _FLIPPED else 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +62,18 @@ class MaskParameters:
     bridge: float = parameter(
         0.05, unit="s", low=0.0, high=1.0, about="of jumps and gaps up to this length the inputs are interpolated"
     )
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Values over their times [s], (n,) both."""
+
+    time: np.ndarray
+    values: np.ndarray
+
+    def scaled(self, factor: float) -> Sampled:
+        """The same in another unit."""
+        return replace(self, values=factor * self.values)
 
 
 @dataclass(frozen=True)
@@ -86,6 +97,10 @@ class MeasuredRecord:
         """The instants in the time of the file [s]."""
         return self.begin + self.period * np.arange(len(self.valid))
 
+    def noted(self, notes: tuple[str, ...]) -> MeasuredRecord:
+        """The same with further notes."""
+        return replace(self, notes=self.notes + notes)
+
     def __getitem__(self, channel: str) -> np.ndarray:
         """A channel; ParameterError if the record does not have it."""
         if channel not in self.channels:
@@ -93,84 +108,36 @@ class MeasuredRecord:
         return self.channels[channel]
 
 
-def read_columns(path: Path) -> tuple[dict[str, np.ndarray], str]:
-    """The columns of a CSV file, by name, and its SHA-256; .csv.xz is unpacked. ParameterError, in one line, if not."""
-    try:
-        content = read_data(path, SIGNALS)
-        text = lzma.LZMADecompressor().decompress(content, SIGNALS) if path.suffix == ".xz" else content
-        header, *lines = text.decode("utf-8-sig").splitlines() or [""]
-        names = [cell.strip() for cell in header.split(",")]
-        rows = np.genfromtxt(lines, delimiter=",", ndmin=2) if any(map(str.strip, lines)) else np.empty((0, len(names)))
-    except OSError as error:
-        raise ParameterError(f"{path}: {error.strerror or error}") from None
-    except (lzma.LZMAError, ValueError, UnicodeDecodeError) as error:
-        reason = " ".join(str(error).split())[:200]
-        raise ParameterError(f"{path} is no CSV table of at most {SIGNALS // MEGABYTE} MB: {reason}") from None
-    if rows.shape[1] != len(names) or len(set(names)) < len(names):
-        raise ParameterError(f"{path}: the header names {len(names)} columns, the rows have {rows.shape[1]}")
-    return dict(zip(names, rows.T, strict=True)), hashlib.sha256(content).hexdigest()
-
-
-def read_record(path: Path, mapping: Path) -> MeasuredRecord:
-    """The record of a CSV file, by its mapping; ParameterError, in one line that names the file, if it is refused."""
-    try:
-        given = read_yaml(read_data(mapping, TEXT).decode())
-    except OSError as error:
-        raise ParameterError(f"{mapping}: {error.strerror or error}") from None
-    except (yaml.YAMLError, UnicodeDecodeError):
-        raise ParameterError(f"{mapping} is no YAML text") from None
-    if not isinstance(given, dict) or not isinstance(given.get("channels"), dict) or "time" not in given:
-        raise ParameterError(f"{mapping}: allowed is a mapping with time, channels and, if wanted, mask")
-    for name in given:
-        if name not in ("time", "channels", "mask"):
-            raise ParameterError(f"{mapping}: {unknown_name('entry', name, ('time', 'channels', 'mask'))}")
-    known = (*frame.channels(), SIDESLIP)
-    columns, digest = read_columns(path)
-    time = _column(mapping, path, "time", given["time"], columns)[0]
-    found: dict[str, tuple[np.ndarray, ColumnParameters]] = {}
-    for name, about in given["channels"].items():
-        if name not in known:
-            raise ParameterError(f"{mapping}: {unknown_name('channel', name, known)}")
-        found[name] = _column(mapping, path, name, about, columns)
-    return measured(str(path), digest, time, found, build(MaskParameters, given.get("mask") or {}))
-
-
-def _column(
-    mapping: Path, path: Path, name: str, about: Any, columns: Mapping[str, np.ndarray]
-) -> tuple[np.ndarray, ColumnParameters]:
-    """A column in SI and REP-103, and what is said of it."""
-    try:
-        said = build(ColumnParameters, {"column": about} if isinstance(about, str) else about)
-        if said.column not in columns:
-            raise unknown_name(f"column of {path}", said.column, columns)
-    except (ParameterError, AttributeError, TypeError) as error:
-        raise ParameterError(f"{mapping}: {name}: {error}") from None
-    turned = -1.0 if said.frame == "sae" and name in _FLIPPED else 1.0
-    return columns[said.column] * (UNITS[said.unit] * turned * said.sign), said
-
-
 def measured(
-    source: str,
-    digest: str,
-    time: np.ndarray,
-    columns: Mapping[str, tuple[np.ndarray, ColumnParameters]],
-    mask: MaskParameters,
+    source: str, digest: str, columns: Mapping[str, tuple[Sampled, ColumnParameters]], mask: MaskParameters
 ) -> MeasuredRecord:
-    """The record of columns over a time [s], (n,) each, in SI and REP-103 at the places of their sensors."""
-    if len(time) < 2 or not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
-        raise ParameterError(f"{source}: its time does not increase, or there are less than two instants")
-    period = round(float(np.median(np.diff(time))), 6)
-    instants = np.arange(int((time[-1] - time[0]) / period + 1.5)) * period
-    before = np.clip(np.searchsorted(time - time[0], instants + 1e-9, side="right") - 1, 0, len(time) - 2)
-    valid = (time[before + 1] - time[before] < 1.5 * period) | (np.abs(time[before] - time[0] - instants) < 1e-6)
-    channels = {}
-    for name, (values, _) in columns.items():
-        finite = np.isfinite(values)
-        if finite.sum() < 2:
+    """The record of columns in SI and REP-103, at the places of their sensors, each over its own times.
+
+    Its instants are as far apart as the samples of the yaw rate, or of the first column, from the instant on at which
+    all columns have begun to that at which the first ends. ParameterError if they have no such instants.
+    """
+    if not columns:
+        raise ParameterError(f"{source}: no channel of it is known")
+    for name, (each, _) in columns.items():
+        if len(each.time) < 2 or not np.isfinite(each.time).all() or (np.diff(each.time) <= 0.0).any():
+            raise ParameterError(f"{source}: the time of {name} does not increase, or there are less than two instants")
+        if np.isfinite(each.values).sum() < 2:
             raise ParameterError(f"{source}: {name} has less than two finite numbers")
-        channels[name] = np.interp(instants, time[finite] - time[0], values[finite])
-        valid &= np.interp(instants, time - time[0], finite) == 1.0
-    _move_to_centre(channels, {name: said for name, (_, said) in columns.items()}, period)
+    clock = columns.get(YAW_RATE, next(iter(columns.values())))[0].time
+    period = round(float(np.median(np.diff(clock))), 6)
+    begin, end = (pick(each.time[n] for each, _ in columns.values()) for pick, n in ((max, 0), (min, -1)))
+    instants = np.arange(int((end - begin) / period + 1.5) if end > begin else 0) * period
+    if len(instants) < 2:
+        raise ParameterError(f"{source}: its channels have no time in common")
+    channels, valid = {}, np.ones(len(instants), bool)
+    for name, (each, _) in columns.items():
+        time, finite = each.time - begin, np.isfinite(each.values)
+        channels[name] = np.interp(instants, time[finite], each.values[finite])
+        valid &= np.interp(instants, time, finite) == 1.0
+        before = np.clip(np.searchsorted(time, instants + 1e-9, side="right") - 1, 0, len(time) - 2)
+        apart = 1.5 * max(float(np.median(np.diff(time))), period)
+        valid &= (time[before + 1] - time[before] < apart) | (np.abs(time[before] - instants) < 1e-6)
+    _move_to_centre(channels, {name: declared for name, (_, declared) in columns.items()}, period)
     for name in (ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE):
         if name in channels:
             limit = mask.steering_rate * (16.0 if name == STEERING_WHEEL_ANGLE else 1.0)
@@ -178,12 +145,12 @@ def measured(
     notes = _bridge(channels, valid, max(int(mask.bridge / period + 0.5), 0))
     if SIDESLIP not in channels and {LATERAL, LONGITUDINAL} <= channels.keys():
         channels[SIDESLIP] = np.arctan2(channels[LATERAL], channels[LONGITUDINAL])
-    return MeasuredRecord(source, digest, float(time[0]), period, channels, valid, notes)
+    return MeasuredRecord(source, digest, float(begin), period, channels, valid, notes)
 
 
-def _move_to_centre(channels: dict[str, np.ndarray], said: Mapping[str, ColumnParameters], period: float) -> None:
+def _move_to_centre(channels: dict[str, np.ndarray], declared: Mapping[str, ColumnParameters], period: float) -> None:
     """Velocities and accelerations of sensors beside the centre of mass, of a rigid body that turns in the plane."""
-    moved = [n for n, of in said.items() if of.x or of.y]
+    moved = [n for n, of in declared.items() if of.x or of.y]
     if not moved:
         return
     if YAW_RATE not in channels:
@@ -191,7 +158,7 @@ def _move_to_centre(channels: dict[str, np.ndarray], said: Mapping[str, ColumnPa
     yaw_rate = channels[YAW_RATE]
     yaw = np.gradient(yaw_rate, period)
     for name in moved:
-        x, y = said[name].x, said[name].y
+        x, y = declared[name].x, declared[name].y
         channels[name] = channels[name] + {
             LONGITUDINAL: y * yaw_rate,
             LATERAL: -x * yaw_rate,

@@ -1,0 +1,90 @@
+"""Time of a control period in the exported C library, beside the compiled loop of the stack.
+
+    source scripts/setup.sh && python benchmarks/native.py [--repeats N] [--seconds S] [SCENARIO ...]
+
+All parts of a scenario's first run. Library and compiled loop are measured in turn, processor time, the best of all
+repeats, so their ratio holds on a busy machine. The compiled loop records all signals, the library keeps the last ones.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import math
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from ev_core.lockstep.run import GraphRun
+from ev_msgs_py.contract import stamps
+from ev_sim.export.content import Content
+from ev_sim.export.library import Library
+from ev_sim.export.targets import OPTIONS, TARGETS
+from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+
+SCENARIOS = ("shchur2019", "double_lane_change")
+NAME = "model"
+_DRIVE = f"""#include "{NAME}.h"
+static {NAME} it;
+int32_t drive(int64_t steps)
+{{
+    int32_t status = {NAME}_create(&it);
+    while (steps-- > 0 && !status) status = {NAME}_step(&it);
+    return status;
+}}
+"""
+
+
+def exported(run: Run, steps: int, folder: Path) -> Callable[[], None]:
+    """Drives the exported library from rest."""
+    library, target = Library(Content(run), NAME), TARGETS["x86_64-linux"]
+    objects = library.objects(target, folder)
+    sources = library.write(folder, target, ["model.h", "constants.h", "model.c"])
+    (folder / "drive.c").write_text(_DRIVE)
+    loops = [target.compiled(source, OPTIONS) for source in (sources[-1], folder / "drive.c")]
+    loaded = ctypes.CDLL(str(target.program([*objects, *loops], folder / "model.so", ["-shared"])))
+
+    def drive() -> None:
+        if status := loaded.drive(ctypes.c_int64(steps)):
+            raise RuntimeError(f"{run.name}: status {status}")
+
+    return drive
+
+
+def seconds(drive: Callable[[], None]) -> float:
+    """Processor time."""
+    start = time.process_time()
+    drive()
+    return time.process_time() - start
+
+
+def seconds_of_loop(run: Run, steps: int) -> float:
+    """Processor time of the stack's loop from rest, after everything was made."""
+    graph = GraphRun(run.configurations, steps + 1)
+    return seconds(lambda: graph.drive(lambda time: None, lambda role, text: None))
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("scenarios", nargs="*", default=SCENARIOS)
+    parser.add_argument("--repeats", type=int, default=31, help="the best of so many")
+    parser.add_argument("--seconds", type=float, help="simulated time, by default that of the scenario")
+    given = parser.parse_args()
+    print(f"{'us per control period':<30}{'library':>10}{'compiled loop':>15}{'ratio':>8}")
+    for scenario in given.scenarios:
+        run = load_scenario(scenario, Overrides(duration=given.seconds)).runs[0]
+        steps = stamps.from_seconds(run.duration) // run.period
+        seconds_of_loop(run, steps)  # compiles, too
+        library, loop = math.inf, math.inf
+        with tempfile.TemporaryDirectory() as folder:
+            drive = exported(run, steps, Path(folder))
+            for _ in range(given.repeats):
+                library, loop = min(library, seconds(drive)), min(loop, seconds_of_loop(run, steps))
+        us = 1e6 / steps
+        print(f"{scenario:<30}{library * us:>10.2f}{loop * us:>15.2f}{library / loop:>8.2f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,209 @@
+"""A board as its file declares it: cars, roads, manoeuvres, variations and laws, and the cells that they make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields
+from fnmatch import fnmatchcase
+from typing import Any, TypeVar
+
+import yaml
+
+from ev_core.parameters.data_file import TEXT, read_data
+from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
+from ev_sim.measures.own_metrics import named_metrics
+from ev_sim.measures.registry import METRICS
+from ev_sim.scenarios.about import configured_file
+from ev_sim.scenarios.parameter_file import read_yaml
+from ev_sim.surfaces import SURFACES
+
+COSTS = ("handling", "energy")
+SIDES = ("left", "right")
+FRICTION, TOLD_FRICTION = "friction", "told_friction"  # variations that are no parameters
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Manoeuvre:
+    """A run of a scenario, the roads that it is driven on, and the metrics of each cost."""
+
+    scenario: str
+    duration: float
+    roads: list[str]
+    handling: list[str]
+    energy: list[str]
+    run: str = ""
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def metrics(self) -> list[str]:
+        """All that is measured, each once: names of the registry, or expressions whose lower values are better."""
+        return list(dict.fromkeys((*self.handling, *self.energy, "peak_sideslip")))
+
+
+@dataclass(frozen=True, slots=True)
+class Variation:
+    """A parameter and one of: the bounds of a factor on what the car has, of a value, of a whole number."""
+
+    parameter: str
+    factor: list[float] = field(default_factory=list)
+    value: list[float] = field(default_factory=list)
+    count: list[int] = field(default_factory=list)
+
+    @property
+    def bounds(self) -> list[float]:
+        """The lower and the upper one."""
+        return self.factor or self.value or self.count
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """What is driven and compared at once: a car in a manoeuvre on a road."""
+
+    board: str
+    version: int
+    car: str
+    manoeuvre: str
+    road: str
+
+    def id(self, cost: str) -> str:
+        """CAR:LAYOUT:MANOEUVRE:ROAD:COST:vN."""
+        return f"{self.car}:{self.manoeuvre}:{self.road}:{cost}:v{self.version}"
+
+
+@dataclass(frozen=True, slots=True)
+class Board:
+    """All that a board declares.
+
+    `reference` is the law that costs are counted against, `scales` by metric what its differences are divided by at
+    least, `unstable` the sideslip from which on a run counts as unstable [rad].
+    """
+
+    version: int
+    seed: int
+    draws: int
+    reference: str
+    unstable: float
+    scales: Mapping[str, float]
+    cars: list[str]
+    layouts: Mapping[str, list[str]]
+    roads: Mapping[str, list[str]]
+    manoeuvres: Mapping[str, Manoeuvre]
+    variations: list[Variation]
+    laws: Mapping[str, Mapping[str, Any]]
+    name: str = ""
+
+    def cells(self, pattern: str = "*") -> list[Cell]:
+        """Its cells, those of which an id fits a pattern as of file names; ParameterError if none does."""
+        every = [
+            Cell(self.name, self.version, car, name, road)
+            for car in self.cars
+            for name, manoeuvre in self.manoeuvres.items()
+            for road in manoeuvre.roads
+        ]
+        found = [each for each in every if any(fnmatchcase(each.id(cost), pattern) for cost in COSTS)]
+        if not found:
+            raise unknown_name("cell", pattern, [each.id(cost) for each in every for cost in COSTS])
+        return found
+
+
+def read_board(name: str) -> Board:
+    """The board of a name in config/benchmarks, or of a path; ParameterError, in one line, for what is wrong in it."""
+    path = configured_file("benchmark", name)
+    try:
+        content = read_yaml(read_data(path, TEXT).decode())
+    except OSError as error:
+        raise ParameterError(f"{path}: {error.strerror}") from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ParameterError(f"{path}: not readable as YAML: {' '.join(str(error).split())}") from None
+    try:
+        whole = dict(_mapping("a board", content))
+        manoeuvres = _mapping("manoeuvres", whole.get("manoeuvres"))
+        whole["manoeuvres"] = {n: _record(Manoeuvre, f"manoeuvre {n}", m) for n, m in manoeuvres.items()}
+        variations = whole.get("variations")
+        whole["variations"] = [_record(Variation, "a variation", v) for v in variations or ()]
+        board = _record(Board, "a board", whole | {"name": name})
+        _refuse(board)
+    except ParameterError as error:
+        raise ParameterError(f"{path}: {error}") from None
+    return board
+
+
+def _mapping(what: str, content: Any) -> Mapping[str, Any]:
+    if not isinstance(content, Mapping):
+        raise ParameterError(f"{what} is {_shown(content)}, allowed is a mapping")
+    return content
+
+
+def _record(of: type[T], what: str, content: Any) -> T:
+    """A dataclass of what a mapping states, which must be all that it needs and nothing else, each of its kind."""
+    stated, known = _mapping(what, content), {each.name: each for each in fields(of)}  # type: ignore[arg-type]
+    for name in stated:
+        if name not in known:
+            raise unknown_name(f"entry of {what}", str(name), known)
+    for name, each in known.items():
+        if name not in stated and each.default is MISSING and each.default_factory is MISSING:
+            raise ParameterError(f"{what} lacks {name}")
+    for name, value in stated.items():
+        kind, _, inner = str(known[name].type).removesuffix("]").partition("[")
+        elements = value if kind == "list" and isinstance(value, list) else ()
+        if not _is(value, kind) or not all(_is(each, inner) for each in elements):
+            allowed = _KINDS[kind][0] + (f", each element {_KINDS[inner][0]}" if kind == "list" else "")
+            raise ParameterError(f"{name} of {what} is {_shown(value)}, allowed is {allowed}")
+    return of(**stated)
+
+
+_KINDS: dict[str, tuple[str, tuple[type, ...]]] = {
+    "int": ("a whole number", (int,)),
+    "float": ("a number", (int, float)),
+    "str": ("a text", (str,)),
+    "list": ("a list", (list,)),
+    "Mapping": ("a mapping", (Mapping,)),
+    "Manoeuvre": ("a mapping", (Manoeuvre,)),
+    "Variation": ("a mapping", (Variation,)),
+}
+
+
+def _shown(value: Any) -> str:
+    return quoted(value) if isinstance(value, str) else shown(str(value))
+
+
+def _is(value: Any, kind: str) -> bool:
+    """Whether a value is of a kind; a switch is no number."""
+    return isinstance(value, _KINDS[kind][1]) and not isinstance(value, bool)
+
+
+def _refuse(board: Board) -> None:
+    """ParameterError for names that nothing declares, and for bounds that are none."""
+    if not 1 <= board.draws <= 100_000:
+        raise ParameterError(f"draws is {board.draws}, allowed is 1 to 100000")
+    _known("reference", [board.reference], board.laws)
+    _known("layout", [car.partition(":")[2] for car in board.cars], board.layouts)
+    for name, surfaces in board.roads.items():
+        if not isinstance(surfaces, list) or len(surfaces) != len(SIDES):
+            raise ParameterError(f"road {name} is {_shown(surfaces)}, allowed is a list of a surface left and right")
+        _known(f"surface of {name}", surfaces, SURFACES)
+    for name, manoeuvre in board.manoeuvres.items():
+        _known(f"road of {name}", manoeuvre.roads, board.roads)
+        for metric in named_metrics(manoeuvre.metrics):
+            if metric in METRICS and not METRICS[metric].better:
+                raise ParameterError(f"metric {metric} of {name} is better neither low nor high")
+            scale = board.scales.get(metric)
+            if not (_is(scale, "float") and scale > 0.0):
+                raise ParameterError(f"scales lacks a number above 0 for {metric} of {name}")
+    for variation in board.variations:
+        bounds = [*variation.factor, *variation.value, *variation.count]
+        if len(bounds) != 2 or not bounds[0] <= bounds[1]:
+            raise ParameterError(
+                f"variation of {variation.parameter} has the bounds {bounds}, allowed are two that rise, of one of "
+                "factor, value, count"
+            )
+    for name, values in board.laws.items():
+        if not isinstance(values, Mapping) or "method" not in values:
+            raise ParameterError(f"law {name} lacks method")
+
+
+def _known(what: str, names: Sequence[str], known: Any) -> None:
+    for name in names:
+        if name not in known:
+            raise unknown_name(what, name, known)

@@ -1,0 +1,161 @@
+"""The runs of a cell: one batch for each law, with the same seeded draws for all of them."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ev_core.lockstep.configuration import Configuration, configure
+from ev_core.parameters.declaration import flatten
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.batches.batch import EVERY_ROLE, batch
+from ev_sim.benchmark.board import FRICTION, SIDES, TOLD_FRICTION, Board, Cell
+from ev_sim.measures.understeer import axle_cornering_stiffnesses
+from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_sim.surfaces import SURFACES
+
+ROLE = "electronic_differential"
+BELIEF = ("known.error_factor", "error_factor")  # how laws call the friction that they believe in over the true one
+TYRES = ("single_track", "known.observer", "observer")  # groups in which laws keep what they believe of the tyres
+_ANYTHING = 2**31
+
+
+@dataclass(frozen=True)
+class Draws:
+    """By ROLE.PARAMETER a value for each run, for all laws; `told` are factors of the friction that they believe."""
+
+    values: Mapping[str, Sequence[Any]]
+    told: Sequence[float]
+
+
+@dataclass(frozen=True)
+class DrivenCell:
+    """The metrics of a cell: by law and name one number for each draw; NaN where there is none."""
+
+    cell: Cell
+    metrics: Mapping[str, Mapping[str, np.ndarray]]
+    commands: Mapping[str, Sequence[str]]
+
+
+def drive_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | None = None) -> DrivenCell:
+    """Drive all draws of a cell with each law; ParameterError for what the file of the board gets wrong."""
+    fixed = values_of(board, cell)
+    base = graph_of(board, cell, fixed)
+    draws = drawn(board, cell, base)
+    measured, commands = {}, {}
+    for law in laws:
+        configurations = {**base, ROLE: law_of(board, law, base[ROLE])}
+        own = own_draws(configurations[ROLE], draws)
+        manoeuvre = board.manoeuvres[cell.manoeuvre]
+        vary = {**draws.values, **own}
+        found = batch(configurations, manoeuvre.duration, vary, metrics=manoeuvre.metrics, threads=threads)
+        measured[law] = found.metrics
+        told = {**fixed, **{f"{ROLE}.{name}": value for name, value in law_values(board, law, base[ROLE]).items()}}
+        commands[law] = [
+            command(board, cell, {**told, **{name: column[n] for name, column in vary.items()}})
+            for n in range(board.draws)
+        ]
+    return DrivenCell(cell, measured, commands)
+
+
+def values_of(board: Board, cell: Cell) -> dict[str, Any]:
+    """By ROLE.PARAMETER what is the same in all runs of a cell: layout, road, and what the manoeuvre sets."""
+    layout = cell.car.partition(":")[2]
+    road = {"pattern": "constant", "own": list(SIDES), **{side: [side] for side in SIDES}}
+    values = {f"{EVERY_ROLE}.vehicle.driven_wheels": board.layouts[layout]}
+    values |= {f"{MASTER}.road.{name}": value for name, value in (road | _surfaces(board, cell, 1.0)).items()}
+    return values | dict(board.manoeuvres[cell.manoeuvre].values)
+
+
+def _surfaces(board: Board, cell: Cell, factor: float) -> dict[str, list[float]]:
+    """Both sides as surfaces of one's own with a factor on the friction, at the same slips."""
+    sides = [SURFACES[name] for name in board.roads[cell.road]]
+    return {
+        "own_c1": [factor * side.c1 for side in sides],
+        "own_c2": [side.c2 for side in sides],
+        "own_c3": [factor * side.c3 for side in sides],
+        "own_rolling_resistance": [side.rolling_resistance for side in sides],
+    }
+
+
+def graph_of(board: Board, cell: Cell, values: Mapping[str, Any]) -> Mapping[str, Configuration]:
+    """The graph of a cell with the law of the scenario's file."""
+    manoeuvre = board.manoeuvres[cell.manoeuvre]
+    prepared = tuple((*name.split(".", 1), value) for name, value in values.items())
+    overrides = Overrides((), (), manoeuvre.duration, cell.car.partition(":")[0], prepared)
+    scenario = load_scenario(manoeuvre.scenario, overrides, (manoeuvre.run,) if manoeuvre.run else ())
+    return scenario.runs[0].configurations
+
+
+def law_values(board: Board, law: str, base: Configuration) -> dict[str, Any]:
+    """The parameters of a law: those of the board, and the cornering stiffnesses of the car where it asks for them."""
+    values = dict(board.laws[law])
+    known = configure(ROLE, {**flatten(base.common), **values}).values()
+    stiffness = axle_cornering_stiffnesses(base.common.vehicle)
+    for group in TYRES:
+        for axle, value in zip(("front", "rear"), stiffness, strict=True):
+            name = f"{group}.{axle}_cornering_stiffness"
+            if name in known and name not in values:
+                values[name] = value
+    return values
+
+
+def law_of(board: Board, law: str, base: Configuration) -> Configuration:
+    """A law of the board for the car of a graph."""
+    try:
+        return configure(ROLE, {**flatten(base.common), **law_values(board, law, base)})
+    except ParameterError as error:
+        raise ParameterError(f"law {law}: {error}") from None
+
+
+def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
+    """The draws of a cell, by the seed of the board and the name of the cell."""
+    random = np.random.Generator(np.random.PCG64([board.seed, zlib.crc32(cell.id("").encode())]))
+    values: dict[str, list[Any]] = {f"{EVERY_ROLE}.seed": random.integers(_ANYTHING, size=board.draws).tolist()}
+    told = [1.0] * board.draws
+    for variation in board.variations:
+        low, high = variation.bounds
+        even = (low + (high - low) * random.random(board.draws)).tolist()
+        if variation.parameter == FRICTION:
+            surfaces = [_surfaces(board, cell, factor) for factor in even]
+            for name in ("own_c1", "own_c3"):
+                values[f"{MASTER}.road.{name}"] = [each[name] for each in surfaces]
+        elif variation.parameter == TOLD_FRICTION:
+            told = even
+        elif variation.count:
+            values[variation.parameter] = random.integers(int(low), int(high) + 1, size=board.draws).tolist()
+        else:
+            of_car = _value_in(base, variation.parameter) if variation.factor else 1.0
+            values[variation.parameter] = [of_car * each for each in even]
+    return Draws(values, told)
+
+
+def _value_in(base: Mapping[str, Configuration], name: str) -> float:
+    role, _, parameter = name.partition(".")
+    known = base[MASTER if role == EVERY_ROLE else role].values() if role == EVERY_ROLE or role in base else {}
+    if not isinstance(known.get(parameter), float):
+        raise ParameterError(f"variation of {name}: nothing of this name has a number that a factor could change")
+    return float(known[parameter])
+
+
+def own_draws(law: Configuration, draws: Draws) -> dict[str, Sequence[float]]:
+    """What is drawn for a law alone: the friction that it believes in, under the name that it has for it."""
+    known = law.values()
+    return {f"{ROLE}.{name}": draws.told for name in BELIEF if name in known}
+
+
+def command(board: Board, cell: Cell, values: Mapping[str, Any]) -> str:
+    """The line that drives a run anew, over DDS, or with --offline without; of a scenario with several runs all."""
+    manoeuvre = board.manoeuvres[cell.manoeuvre]
+    words = ["scripts/run.sh", manoeuvre.scenario, "--vehicle", cell.car.partition(":")[0]]
+    words += ["--duration", repr(manoeuvre.duration)]
+    for name, value in values.items():
+        words += ["--set", f"{name}={json.dumps(value)}"]
+    return shlex.join(words)

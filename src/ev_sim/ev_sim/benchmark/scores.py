@@ -1,0 +1,86 @@
+"""From metrics to scores: costs against a reference, interquartile means with intervals, and ranks with ties.
+
+Agarwal et al. (2021), Deep reinforcement learning at the edge of the statistical precipice, NeurIPS 34: the mean of the
+middle half of all runs, with intervals by a bootstrap within each cell (stratified).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ev_sim.measures.metric import HIGHER
+from ev_sim.measures.own_metrics import named_metrics
+
+LARGEST = 3.0  # cost of a run that is unstable or has no number, and of any other at most
+RESAMPLES, _AT_ONCE = 1000, 20
+CONFIDENCE = 0.95
+WORST = 0.1  # share of the runs that the tail is the mean of
+
+
+class Score(NamedTuple):
+    """A number of a law over all cells, its interval, and how many laws are better beyond the noise, plus one."""
+
+    value: float
+    low: float
+    high: float
+    rank: int
+
+
+def costs_of(
+    metrics: Mapping[str, Mapping[str, np.ndarray]],
+    texts: Sequence[str],
+    scales: Mapping[str, float],
+    reference: str,
+    unstable: np.ndarray,
+) -> np.ndarray:
+    """What each run costs, (laws, draws): the mean of some metrics over those of the reference in the same draw.
+
+    1 + (x - x_0)/max(|x_0|, scale) of each metric, with the sign of what is better, within 0 to LARGEST. LARGEST for
+    runs that are `unstable`, (laws, draws), or have no number; 1 where only the reference has none.
+    """
+    found = []
+    for name, metric in named_metrics(texts).items():
+        sign = -1.0 if metric.better == HIGHER else 1.0
+        base = metrics[reference][name]
+        values = np.array([of[name] for of in metrics.values()])
+        ratios = 1.0 + sign * (values - base) / np.maximum(np.abs(base), scales[name])
+        found.append(np.where(np.isnan(values), LARGEST, np.where(np.isnan(base), 1.0, ratios)))
+    costs: np.ndarray = np.where(unstable, LARGEST, np.clip(np.mean(found, axis=0), 0.0, LARGEST))
+    return costs
+
+
+def interquartile_mean(costs: np.ndarray) -> np.ndarray:
+    """The mean of the middle half along the last axis."""
+    cut = costs.shape[-1] // 4
+    return np.asarray(np.sort(costs, axis=-1)[..., cut : costs.shape[-1] - cut].mean(axis=-1))
+
+
+def tail_mean(costs: np.ndarray) -> np.ndarray:
+    """The mean of the worst tenth along the last axis, at least of one."""
+    count = max(round(WORST * costs.shape[-1]), 1)
+    return np.asarray(np.sort(costs, axis=-1)[..., -count:].mean(axis=-1))
+
+
+def scores(costs: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], seed: int) -> list[Score]:
+    """The score of each law by a statistic of its costs, (laws, cells, draws).
+
+    Draws are drawn anew within each cell, and alike for all laws, for they have driven the same ones: a law is better
+    than another one if the interval of their difference says so.
+    """
+    laws, cells, draws = costs.shape
+    random = np.random.Generator(np.random.PCG64(seed))
+    resampled = np.empty((RESAMPLES, laws))
+    for n in range(0, RESAMPLES, _AT_ONCE):
+        chosen = random.integers(draws, size=(_AT_ONCE, cells, draws))
+        of_laws = costs[:, np.arange(cells)[:, None], chosen]
+        resampled[n : n + _AT_ONCE] = statistic(of_laws.reshape(laws, _AT_ONCE, -1)).T
+    ends = 50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE)
+    low, high = np.percentile(resampled, ends, axis=0)
+    worse = np.percentile(resampled[:, :, None] - resampled[:, None, :], ends[0], axis=0) > 0.0
+    values = statistic(costs.reshape(laws, -1))
+    return [
+        Score(float(values[i]), float(low[i]), float(high[i]), 1 + int(np.count_nonzero(worse[i]))) for i in range(laws)
+    ]

@@ -1,0 +1,1 @@
+"""What is held against measured data and results of others: each comparison with its limit, and what drives it."""

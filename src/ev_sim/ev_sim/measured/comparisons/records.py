@@ -1,0 +1,61 @@
+"""A record of a car on a track, a tyre on its rig and the energy of a list of cars, in numbers that are compared."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from ev_core.parameters.data_file import find_in_config
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.measured.open_loop import OpenLoop, graph, windows_of
+from ev_sim.measured.records.mapping import read_record
+from ev_sim.measured.records.record import SIDESLIP, YAW_RATE
+from ev_sim.measured.rig import read_rig
+from ev_sim.measured.tyre_fit import KINDS, fit_tyre
+from ev_sim.measured.validation import Validation, signals_to_show
+from ev_sim.scenarios.scenario import Overrides
+from ev_sim.study import energy
+from ev_sim.study.workers import drive_cases
+
+TRAINING, HELD_OUT = (0.0, 2.0 / 3.0), (2.0 / 3.0, 1.0)
+WINDOW = 5.0  # s
+
+
+def track_record(folder: Path) -> dict[str, float]:
+    """Errors of the identified Ferrari 250 LM on what it was fitted to, and on what was held out."""
+    car = find_in_config("measured/ferrari_250lm")
+    if car is None:
+        raise ParameterError("measured/ferrari_250lm is in no config folder")
+    record = read_record(folder / "ferrari_250lm_1.csv.xz", car / "record.yaml")
+    beside = Overrides(files=[str(car / "identified_parameters.yaml")])
+    configurations = graph(str(car / "identified.yaml"), record.period, beside)
+    judged = []
+    for part in (TRAINING, HELD_OUT):
+        replay = OpenLoop(record, windows_of(record, WINDOW, *part), configurations, signals_to_show())
+        judged.append(Validation(replay, {name: values[0] for name, values in replay.simulate().items()}, 0.0))
+    first, last = judged
+    found = {"track_windows_left": float(last.spun.sum())}
+    for name, signal, unit in (("yaw_rate", YAW_RATE, 1.0), ("sideslip", SIDESLIP, np.pi / 180.0)):
+        medians = [float(np.median(each.of_windows[signal])) for each in judged]
+        found[f"track_{name}"] = first.errors[signal].rms / unit
+        found[f"track_{name}_held_out"] = medians[1] / medians[0]
+    return found
+
+
+def tyre_rig(folder: Path) -> dict[str, float]:
+    """Errors of the tyre fit on sweeps that it has not seen, in per cent of the largest force."""
+    files = [folder / f"tyre_rig_{name}.csv.xz" for name in ("cornering", "drivebrake")]
+    unseen = fit_tyre(read_rig(files)).unseen
+    return {f"tyre_{kind.replace(' ', '_')}": 100.0 * unseen[kind] for kind in KINDS}
+
+
+def electric_cars(folder: Path) -> dict[str, float]:
+    """Errors of the study `energy` on all cars of the list and on those that no fit has seen, in per cent."""
+    given = argparse.Namespace(cars=folder / "epa_2022_electric_cars.csv", assumptions=None, fit=False, only=[])
+    cases = energy.cases(given)
+    results = dict(zip([case.name for case in cases], drive_cases(cases, energy.measure), strict=True))
+    return {
+        f"energy_{name}": 100.0 * float(metric.value or 0.0) for name, metric in energy.metrics(given, results).items()
+    }

@@ -1,0 +1,131 @@
+"""Boards: what they refuse, their cells, equal bits, and single runs that the printed command drives again."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ev_core.parameters.data_file import files_in_config
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.benchmark.board import read_board
+from ev_sim.benchmark.driving import drawn, drive_cell, graph_of, values_of
+from ev_sim.benchmark.result import BoardResult
+from ev_sim.command_line.options import arguments, overrides
+from ev_sim.commands.run_scenario import main
+from ev_sim.measures.own_metrics import named_metrics
+from ev_sim.measures.registry import driven_run
+from ev_sim.recording.offline import run_offline, true_motion
+from ev_sim.scenarios.scenario import load_scenario
+
+SMALL = replace(read_board("small"), draws=3)
+STEP = "layout_1_8_c:all:step_steer:wet:*"
+LAWS = ["equal_torque", "pi"]
+
+
+@pytest.fixture(scope="module")
+def result() -> BoardResult:
+    return BoardResult(SMALL, LAWS, [drive_cell(SMALL, cell, LAWS) for cell in SMALL.cells(STEP)])
+
+
+def test_cells_are_cars_by_manoeuvres_by_roads():
+    assert len(SMALL.cells()) == 2 * 6 * 3
+    assert SMALL.cells(STEP)[0].id("handling") == "layout_1_8_c:all:step_steer:wet:handling:v1"
+    with pytest.raises(ParameterError, match="unknown cell 'x:y'"):
+        SMALL.cells("x:y")
+
+
+def test_every_cell_has_a_graph_and_every_law_suits_it():
+    """The whole board without driving it: names of vehicles, runs, parameters, surfaces."""
+    for cell in SMALL.cells("*:handling:*"):
+        assert drawn(SMALL, cell, graph_of(SMALL, cell, values_of(SMALL, cell))).values
+
+
+def test_draws_are_those_of_the_seed_within_their_bounds():
+    (cell,) = SMALL.cells(STEP)
+    base = graph_of(SMALL, cell, values_of(SMALL, cell))
+    one, again, other = (drawn(board, cell, base) for board in (SMALL, SMALL, replace(SMALL, seed=2)))
+    assert one == again != other
+    mass = np.array(one.values["*.vehicle.mass"]) / 1600.0
+    assert ((mass >= 1.0) & (mass <= 1.2)).all()
+    assert len(set(mass)) == SMALL.draws
+    friction = np.array(one.values["plant.road.own_c1"]) / 0.635
+    assert ((friction >= 0.8) & (friction <= 1.05)).all()
+    assert all(0.7 <= factor <= 1.3 for factor in one.told)
+
+
+def test_the_reference_costs_one_and_the_control_lowers_the_energy_of_a_step(result: BoardResult):
+    """Understeer as designed takes less side force than the step of the car without control."""
+    assert (result.costs["handling"][0] == 1.0).all()
+    assert result.scores["energy"][1].value < 0.99
+    assert not result.unstable.any()
+    assert [row[0] for row in result.rows()] == ["equal_torque", "pi"]
+
+
+def test_twice_gives_equal_bits_with_other_laws_and_threads(result: BoardResult):
+    """Draws belong to the cell and not to the laws."""
+    again = drive_cell(SMALL, SMALL.cells(STEP)[0], ["pi"], threads=1)
+    for name, values in result.cells[0].metrics["pi"].items():
+        assert values.tolist() == again.metrics["pi"][name].tolist()
+
+
+def test_the_command_of_a_run_drives_it_again(result: BoardResult):
+    """To the bit, as the words of a shell: all metrics of the second draw of a law with an own parameter drawn."""
+    words = shlex.split(result.cells[0].commands["pi"][1])
+    assert words[0] == "scripts/run.sh"
+    given = arguments([*words[1:], "--offline"])
+    run = load_scenario(given.scenario, overrides(given), only=["left"]).runs[0]
+    motion = true_motion(run_offline(run.configurations, run.duration), run.configurations)
+    for name, metric in named_metrics(SMALL.manoeuvres["step_steer"].metrics).items():
+        assert metric.measured(driven_run(motion, run.configurations)).value == result.cells[0].metrics["pi"][name][1]
+
+
+def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
+    main(["benchmark", "--cells", STEP, "--laws", "pi", "--draws", "1", "--out", str(tmp_path)])
+    board, runs = (json.loads((tmp_path / f"{name}.json").read_text()) for name in ("board", "runs"))
+    assert [each["law"] for each in runs["runs"]] == LAWS
+    assert set(board["scores"]["pi"]) == {"handling", "worst tenth", "energy", "unstable"}
+    printed = capsys.readouterr().out
+    assert f"hash of all runs {board['hash']}" in printed
+    assert f"scripts/run.sh benchmark small --cells '{STEP}:v1'" in printed
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("draws: 10", "draws: 0", "draws is 0, allowed is 1 to 100000"),
+        ("draws: 10", "draws: many", "draws of a board is 'many', allowed is a whole number"),
+        ("seed: 1", "sed: 1", "unknown entry of a board 'sed'"),
+        ("reference: equal_torque", "reference: none", "unknown reference 'none'"),
+        ("roads: [dry, wet, snow]", "roads: [mud]", "unknown road of step_steer 'mud'"),
+        ("energy: [battery_energy]", "energy: [distance]", "metric distance of step_steer is better neither"),
+        (
+            "dry: [dry_asphalt, dry_asphalt]",
+            "dry: [dry_asphalt]",
+            "road dry is ['dry_asphalt'], allowed is a list of",
+        ),
+        ("wet: [wet_asphalt_2,", "wet: [mud,", "unknown surface of wet 'mud'"),
+        (
+            "handling: [yaw_rate_error,",
+            "handling: [1,",
+            "handling of manoeuvre step_steer is [1, 'peak_sideslip'], allowed is a list, each element a text",
+        ),
+        ("peak_slip: 0.02", "peak_slip: 0", "scales lacks a number above 0 for peak_slip of launch"),
+        ("factor: [1.0, 1.2]", "factor: [1.2, 1.0]", "variation of *.vehicle.mass has the bounds [1.2, 1.0]"),
+        ("{method: load_proportional}", "{}", "law load_proportional lacks method"),
+    ],
+)
+def test_what_is_wrong_in_a_board_is_one_line(tmp_path: Path, old: str, new: str, line: str):
+    text = files_in_config("benchmarks")["small"].read_text()
+    assert old in text
+    path = tmp_path / "own.yaml"
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(ParameterError) as refused:
+        read_board(str(path))
+    assert line in str(refused.value)
+    assert str(refused.value).startswith(f"{path}: ")
+    assert "\n" not in str(refused.value)

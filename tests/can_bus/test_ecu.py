@@ -1,0 +1,103 @@
+"""docs/examples/ecu: an exported law behind CAN frames in C, in the place of the gateway, beside the law here."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from can_bus.databases import ours
+from can_bus.test_processes import EXAMPLES, PATIENCE, PATIENT, end, hub_channels, launch, nothing_left_behind, started
+from ros_graph import ros_domain
+
+from ev_control.inverter_gateway.gateway import GatewayParameters
+from ev_control.inverter_gateway.station import GatewayStation
+from ev_core.bus.channel import Channel
+from ev_core.nodes.bus_nodes import Ticks
+from ev_core.parameters.values import build
+from ev_msgs_py.can.frames import SPEED_MODE
+from ev_msgs_py.contract import stamps
+from ev_sim.export.targets import TARGETS
+from ev_sim.interface.driving import only_run, overrides
+from ev_sim.interface.simulation import SteppedLaw
+
+pytestmark = pytest.mark.slow
+
+LAW = "electronic_differential"
+PEDAL, SECONDS, TIMEOUT = 300.0, 0.4, 5.0  # N m, s, and s because a loaded machine holds processes up
+HELD = 15.0  # rad/s, of the left shaft without torque
+USED = nothing_left_behind  # a fixture for all tests here
+
+
+def built(target: str, folder: Path) -> list[str]:
+    """The words that start the program here."""
+    on = TARGETS[target]
+    for needed in ("make", on.compiler, *on.emulator[:1]):
+        if not shutil.which(needed):
+            pytest.skip(f"{needed} is not installed")
+    words = ["make", "-C", EXAMPLES / "ecu", f"BUILD={folder}", f"TARGET={target}", f"CC={on.compiler}"]
+    done = subprocess.run(words, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return [*on.emulator, str(folder / "ecu")]
+
+
+class LeftLoad:
+    """The left load machine, which holds its shaft back at a speed."""
+
+    def __init__(self, channel: Channel) -> None:
+        patient = {"feedback_timeout": 1.0, "command_timeout": 10.0}
+        self.station, self.ticks = GatewayStation(ours(), build(GatewayParameters, patient)), Ticks()
+        self.channel, self.own = channel, int(self.station.own["Load12"].set_point)
+        self.station.command("Load12", SPEED_MODE, HELD)
+
+    def lead(self, until: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + PATIENCE
+        while not until():
+            assert time.monotonic() < deadline
+            while (frame := self.channel.receive()) is not None:
+                self.station.receive("12", frame)
+            for _, frame in self.station.step(passed) if (passed := self.ticks.passed()) else ():
+                if frame.identifier == self.own:
+                    self.channel.send(frame)
+            time.sleep(self.ticks.until_next())
+
+    def holds(self) -> bool:
+        return abs(self.station.devices["Load12"].feedback.speed - HELD) < 1.0
+
+
+@pytest.mark.parametrize("target", ["x86_64-linux", "aarch64-linux"])
+def test_an_exported_law_drives_our_inverters(target, tmp_path):
+    """Each answer is that of the law here to the same wheel speeds, to the bit, and the right shaft obeys.
+
+    The left wheel is held back, so the right one overtakes it, and the left one gets 1.5 times its torque.
+    """
+    program, bus = built(target, tmp_path), hub_channels()
+    alone = subprocess.run([*program, "1", "0", "1", "1"], capture_output=True, text=True)
+    assert (alone.returncode, alone.stderr) == (1, "ecu: there is no hub at port 1\n")
+    port = bus["bus.channel_11"].rpartition(":")[2]
+    with ros_domain() as context:
+        inverter = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT})
+        load = LeftLoad(Channel("socketcand", bus["bus.channel_12"]))
+        load.lead(lambda: load.station.enable(("Load12",)) == "")
+        load.lead(load.holds)
+        ecu = started([*program, port, str(PEDAL), str(SECONDS), str(TIMEOUT)])
+        load.lead(lambda: ecu.poll() is not None)
+        load.channel.close()
+        end([inverter])
+    told = ecu.communicate()[0]
+    assert ecu.returncode == 0, told
+    rows = np.array([line.split() for line in told.splitlines() if not line.startswith("ecu: held, ")], float)
+    run = only_run("urban_mixed_bench", "", overrides(method={LAW: "limited_slip"}))
+    law = SteppedLaw(run.configurations[LAW])
+    given = dict.fromkeys(law.inputs, 0.0) | {"driver.command.drive_torque": PEDAL}
+    for n, (left, right, *torques) in enumerate(rows.tolist()):
+        given |= {"wheel_states.velocity.front_left": left, "wheel_states.velocity.front_right": right}
+        answer = law.answer(stamps.to_seconds(n * run.period), given)
+        assert [answer[f"torque_request.drive.front_{side}"] for side in ("left", "right")] == torques
+    left, right, *torques = rows[-1]
+    assert right > left + 2.0
+    assert torques == pytest.approx([0.6 * PEDAL, 0.4 * PEDAL], rel=1e-3)
