@@ -92,9 +92,9 @@ def test_a_data_frame_has_the_units_of_its_columns(result, monkeypatch):
 
 
 def test_a_data_frame_needs_pandas(result, monkeypatch):
-    """It is not among what the packages need; the error is Python's own, which names it."""
+    """It is no requirement of the packages, but an extra, which the error names."""
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(ImportError, match="pandas"):
+    with pytest.raises(ImportError, match=r"pip install .ev_sim\[frame\]"):
         result.data_frame()
 
 

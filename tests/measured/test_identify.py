@@ -13,7 +13,9 @@ from ev_core.vehicle.tyre import MF_NAMES
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.measured.free_parameters import FreeParameter, free_parameters
+from ev_sim.measured.identification import Residuals
 from ev_sim.measured.intervals import in_words, knowledge
+from ev_sim.measured.journal import Journal
 from ev_sim.measured.open_loop import graph
 from ev_sim.scenarios.about import vehicle_of
 from ev_sim.scenarios.scenario import Overrides
@@ -57,6 +59,43 @@ def test_a_simulated_car_with_noise_gives_back_its_parameters_within_their_inter
         main(["validate", record, "--vehicle", files[0], "--duration", "3"])
     again = json.loads((tmp_path / "check" / "summary.json").read_text())
     assert again["errors"]["twist.yaw_rate"]["rms"] == pytest.approx(errors["rms_after"], rel=1e-3)
+
+
+def test_a_search_that_was_stopped_goes_on_with_the_same_bits(tmp_path, monkeypatch, capsys):
+    """Stopped in its fifth evaluation: the first four are taken from the journal, then it is gone; a torn end is not.
+
+    Another record takes none.
+    """
+    asked, computed = [], Residuals._computed
+
+    def stopped_in_the_fifth(self: Residuals, points: np.ndarray) -> np.ndarray:
+        asked.append(len(points))
+        if len(asked) == 5:
+            raise KeyboardInterrupt
+        return computed(self, points)
+
+    record = str(write(tmp_path, columns_of(driven(), noise=0.01)))
+    of = ["identify", record, "--vehicle", CAR, "--window", "2", "--free", "vehicle.yaw_inertia", "--no-report"]
+    of += ["--steps", "3", "--set", "*.vehicle.yaw_inertia=3000.0"]
+    main([*of, "--out", str(tmp_path / "whole")])
+    monkeypatch.setattr(Residuals, "_computed", stopped_in_the_fifth)
+    with pytest.raises((KeyboardInterrupt, SystemExit)):
+        main([*of, "--out", str(tmp_path / "stopped")])
+    journal = tmp_path / "stopped" / "search.journal"
+    torn = journal.read_bytes()
+    capsys.readouterr()
+    main([*of, "--out", str(tmp_path / "stopped")])
+    assert "went on behind 4 evaluations" in capsys.readouterr().out
+    assert not journal.exists()
+    texts = [(tmp_path / each / "vehicle.yaml").read_text().splitlines()[2:] for each in ("whole", "stopped")]
+    assert texts[0] == texts[1]
+    other = Journal(tmp_path / "other", "another key")
+    assert other.taken == 0
+    (tmp_path / "torn").write_bytes(torn[:-100])
+    again = Journal(tmp_path / "torn", torn[:64].decode())
+    answers = [again.answer(np.full((1, 1), -1.0), lambda points: 2.0 * points) for _ in range(2)]
+    assert [each.item() for each in answers] == [-2.0, -2.0]
+    assert again.taken == 0
 
 
 def test_the_tool_that_counts_held_intervals_starts(capsys):

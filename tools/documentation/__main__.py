@@ -10,6 +10,8 @@ from pathlib import Path
 from documentation.benchmark_board import PAGE as BENCHMARK
 from documentation.benchmark_board import board_tables, drive_small
 from documentation.hashes import HASHES, all_hashes, changes, hash_table, published_hashes
+from documentation.law_costs import BLOCK as LAW_COSTS
+from documentation.law_costs import NATIVE, law_table
 from documentation.markdown import with_blocks
 from documentation.pages import CONTROL_PERIODS, README, RESULTS, SHCHUR, stale_pages
 from documentation.processors import BLOCK, PROCESSORS, processor_table
@@ -48,7 +50,7 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
 
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)
-    known = [README, HASHES, PROCESSORS, SHCHUR, BENCHMARK, *NAMES]
+    known = [README, HASHES, PROCESSORS, NATIVE, SHCHUR, BENCHMARK, *NAMES]
     known += [*scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
     for name in chosen:
         if name not in known:
@@ -61,6 +63,8 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
     if PROCESSORS in wanted:
         published = published_hashes((root / HASHES).read_text(encoding="utf-8"))
         _write(root / PROCESSORS, {BLOCK: processor_table(published)})
+    if NATIVE in wanted:
+        _write(root / NATIVE, {LAW_COSTS: law_table()})
     if SHCHUR in wanted:
         driven = results.drive_all()
         texts = {RESULTS: results.result_table(driven), CONTROL_PERIODS: results.control_period_table()}

@@ -33,9 +33,7 @@ def hash_on(run: Run, target: Target, objects: Path) -> str:
 
 def processor_table(published: Hashes) -> str:
     """A row for the first run of each scenario; one that differs from its published hash shows its own."""
-    lacking = [word for name in DRIVEN for word in _needed(TARGETS[name]) if not shutil.which(word)]
-    if lacking:
-        sys.exit(f"not installed: {', '.join(lacking)} (docs/native.md)")
+    refuse_missing()
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         firsts = dict(reversed(published))
@@ -52,5 +50,8 @@ def processor_table(published: Hashes) -> str:
     return table(("scenario", "run", *DRIVEN), rows)
 
 
-def _needed(target: Target) -> list[str]:
-    return [target.compiler, *target.emulator[:1]]
+def refuse_missing(*words: str) -> None:
+    """End with a line if a compiler, an emulator or one of these words is not installed."""
+    needed = [word for name in DRIVEN for word in (TARGETS[name].compiler, *TARGETS[name].emulator[:1])]
+    if lacking := [word for word in (*needed, *words) if not shutil.which(word)]:
+        sys.exit(f"not installed: {', '.join(lacking)} (docs/native.md)")

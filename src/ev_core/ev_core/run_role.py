@@ -102,7 +102,7 @@ def given_parameters(name: str, **node_arguments: Any) -> Iterator[dict[str, Any
 
 
 def run_role(role: str) -> None:
-    """Play a role until the run is over or the process is told to stop; exit status 1 and one line on bad input."""
+    """Play a role until the run is over or the process is asked to stop; exit status 1 and one line on bad input."""
     run_node(role, lambda: make_node(role))
 
 

@@ -121,33 +121,52 @@ def blended_brakes(
         return passed(s, request)
     error = yaw_error(p.yaw, car, speed, column.road_wheel_angle, imu) if p.yaw.gain > 0.0 else 0.0
     more = ahead * yaw_difference(p.yaw, car, error)
-    torque, friction = [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]
-    for i in range(4):
-        w, side = s.wheels[i], -1.0 if i % 2 == 0 else 1.0
-        asked = ahead * drive[i] - brake[i]
-        if ahead * drive[i] > 0.0 and brake[i] > 0.0:
-            forget_slip_limit(w.slip)
-            w.friction = friction[i] = brake[i]
-            torque[i] = drive[i]
-            continue
-        wanted = asked + side * more
-        before = s.velocity[i] if s.measured == 1.0 else velocity[i]
-        motion = WheelAlong(
-            ahead * velocity[i],
-            ahead * rolling[i],
-            ahead * (velocity[i] - before) / period,
-            ahead * imu.longitudinal_acceleration / car.wheel_radius,
-            ahead * wheels.effort[i] - w.friction,
-            i,
-        )
-        net = slip_limited(p.slip, car, w.slip, period, motion, wanted, slip_share(p.yaw, error, ahead * side * wanted))
-        torque[i] = ahead * blended(p, car, w, period, net, ahead * drive[i], brake[i], ahead, velocity[i], i)
-        friction[i] = w.friction
+    torque = Wheels(
+        of_wheel(p, car, s, 0, period, request, wheels, imu, rolling, ahead, error, more),
+        of_wheel(p, car, s, 1, period, request, wheels, imu, rolling, ahead, error, more),
+        of_wheel(p, car, s, 2, period, request, wheels, imu, rolling, ahead, error, more),
+        of_wheel(p, car, s, 3, period, request, wheels, imu, rolling, ahead, error, more),
+    )
     s.velocity[:] = velocity
     s.measured = 1.0
-    return WheelTorqueCommand(
-        Wheels(torque[0], torque[1], torque[2], torque[3]), Wheels(friction[0], friction[1], friction[2], friction[3])
+    w = s.wheels
+    return WheelTorqueCommand(torque, Wheels(w[0].friction, w[1].friction, w[2].friction, w[3].friction))
+
+
+@compilable
+def of_wheel(
+    p: BlendedBrakesParameters,
+    car: Car,
+    s: BlendedBrakesState,
+    i: int,
+    period: float,
+    request: WheelTorqueRequest,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+    rolling: Wheels,
+    ahead: float,
+    error: float,
+    more: float,
+) -> float:
+    """The drive torque [N m] of a wheel, whose friction brake is then in its state."""
+    w, side = s.wheels[i], -1.0 if i % 2 == 0 else 1.0
+    drive, brake, velocity = request.drive[i], request.brake[i], wheels.velocity[i]
+    if ahead * drive > 0.0 and brake > 0.0:
+        forget_slip_limit(w.slip)
+        w.friction = brake
+        return drive
+    wanted = ahead * drive - brake + side * more
+    before = s.velocity[i] if s.measured == 1.0 else velocity
+    motion = WheelAlong(
+        ahead * velocity,
+        ahead * rolling[i],
+        ahead * (velocity - before) / period,
+        ahead * imu.longitudinal_acceleration / car.wheel_radius,
+        ahead * wheels.effort[i] - w.friction,
+        i,
     )
+    net = slip_limited(p.slip, car, w.slip, period, motion, wanted, slip_share(p.yaw, error, ahead * side * wanted))
+    return ahead * blended(p, car, w, period, net, ahead * drive, brake, ahead, velocity, i)
 
 
 @compilable

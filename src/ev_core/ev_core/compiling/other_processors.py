@@ -39,7 +39,7 @@ _SOFT = frozenset(
 
 
 class Processor(NamedTuple):
-    """What LLVM is told of a processor and its system; `may_call` are the functions that its C compiler brings."""
+    """Settings of LLVM for a processor and its system; `may_call` are the functions that its C compiler brings."""
 
     triple: str
     cpu: str

@@ -20,6 +20,8 @@ from ev_sim.measured.free_parameters import GROUPS, free_parameters
 from ev_sim.measured.identification import identify
 from ev_sim.measured.identified import CAR, FILES_OF_IDENTIFICATION, PARTS, Identified
 from ev_sim.measured.intervals import knowledge
+from ev_sim.measured.journal import Journal, search_key
+from ev_sim.measured.motor_map import FILES_OF_MOTOR, MOTOR, fit_motor, motor_table, write_motor
 from ev_sim.measured.open_loop import IMPOSED, ROLES_OF_REPLAY, OpenLoop, Windows, graph, windows_of
 from ev_sim.measured.records.bags import is_foreign
 from ev_sim.measured.records.mapping import read_record, read_standard
@@ -41,6 +43,7 @@ from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.about import vehicle_file
 from ev_sim.scenarios.parameter_file import ParameterFile
 
+JOURNAL = "search.journal"  # of a search that is under way
 _OF_A_RUN = (".npz", ".mcap", ".db3", "")  # what a recording of ours may end with; the last is a folder
 
 
@@ -79,6 +82,7 @@ def run_identify(argv: Sequence[str]) -> None:
     parser.add_argument(
         "--friction-scale", type=float, default=1.0, metavar="S", help="of the road over the rig's belt"
     )
+    parser.add_argument("--motor", type=Path, metavar="MAP.csv", help="a motor's losses from this map instead of a car")
     _add_record(parser, "identify")
     groups = "; ".join(f"{name}: {', '.join(of)}" for name, of in GROUPS.items())
     parser.add_argument(
@@ -104,11 +108,20 @@ def run_identify(argv: Sequence[str]) -> None:
         "--no-report", action="store_true", help="neither report.html nor figures, numbers all the same"
     )
     given = parser.parse_args(argv)
+    if given.motor:
+        with OutputFolder(given.out, "identify motor", FILES_OF_MOTOR) as folder:
+            motor = fit_motor(given.motor)
+            print(motor_table(motor))
+            write_motor(folder.directory, motor, command_of(["identify", *argv]))
+        print(f"{len(motor.speed)} points, {motor.left_out} rows left out; motor: {folder.directory / MOTOR}")
+        return
     if given.tyre:
         _identify_tyre(given, command_of(["identify", *argv]))
         return
     if given.record is None or not given.free:
-        parser.error("which record, and which parameters? RECORD --free GROUP ..., or --tyre RIG ...")
+        parser.error(
+            "which record, and which parameters? RECORD --free GROUP ..., or --tyre RIG ..., or --motor MAP.csv"
+        )
     for name in ("starts", "steps", "every", "prior"):
         if not getattr(given, name) > 0:
             raise ParameterError(f"--{name} {getattr(given, name)} is refused, allowed is more than 0")
@@ -127,15 +140,20 @@ def run_identify(argv: Sequence[str]) -> None:
         if name not in replay.compared:
             raise unknown_name("--signals", name, replay.compared)
     seed = given.seed or 0
-    with OutputFolder(given.out, "identify", FILES_OF_IDENTIFICATION) as folder:
+    key = search_key(replay, free, signals, given.every, given.prior, given.starts, seed, given.steps, given.impose)
+    with OutputFolder(given.out, "identify", (*FILES_OF_IDENTIFICATION, JOURNAL), keeps=[JOURNAL]) as folder:
+        journal = Journal(folder.directory / JOURNAL, key)
         fitted = identify(
             replay, free, signals, every=given.every, width=given.prior, starts=given.starts, seed=seed,
-            most=given.steps, progress=lambda line: print(line, flush=True),
+            most=given.steps, progress=lambda line: print(line, flush=True), journal=journal,
         )  # fmt: skip
         known = knowledge(fitted.residuals, fitted.derivatives, fitted.values, free, given.prior, seed)
         found = Identified(free, fitted, known, replays, stated, beside, command_of(["identify", *argv]))
         print(found.table())
         found.write(folder.directory, not given.no_report)
+        journal.remove()
+    if journal.taken:
+        print(f"went on behind {journal.taken} evaluations of a search that was stopped")
     print(f"car: {folder.directory / CAR}")
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 
 from ev_sim.measured.free_parameters import FreeParameter, changes
+from ev_sim.measured.journal import Journal
 from ev_sim.measured.open_loop import OpenLoop
 
 STEP = 1e-3  # of a scale, for forward differences: far above rounding, far below any curvature of the errors
@@ -34,10 +35,17 @@ class Residuals:
     """Weighted errors of a replay at points in scaled parameters, and their derivatives by these."""
 
     def __init__(
-        self, replay: OpenLoop, free: Sequence[FreeParameter], weights: Mapping[str, float], every: int, width: float
+        self,
+        replay: OpenLoop,
+        free: Sequence[FreeParameter],
+        weights: Mapping[str, float],
+        every: int,
+        width: float,
+        journal: Journal | None = None,
     ) -> None:
         """Of each `every`-th sample; the prior about the start is `width` scales wide."""
         self._replay, self._free, self.weights, self._every = replay, free, weights, every
+        self._journal = journal
         self.scale = np.array([each.scale for each in free])
         self.begin = np.array([each.start for each in free]) / self.scale
         self.ends = np.array([[each.low, each.high] for each in free]).T / self.scale
@@ -46,6 +54,9 @@ class Residuals:
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """(points, windows, signals times samples)."""
+        return self._journal.answer(points, self._computed) if self._journal else self._computed(points)
+
+    def _computed(self, points: np.ndarray) -> np.ndarray:
         cars = changes(self._free, np.clip(points, *self.ends) * self.scale, self._replay.configurations)
         found = self._replay.simulate(cars)
         errors = [(found[n][:, :, :: self._every] - self._measured[n]) / w for n, w in self.weights.items()]
@@ -87,6 +98,7 @@ def identify(
     seed: int,
     most: int,
     progress: Callable[[str], None] = lambda line: None,
+    journal: Journal | None = None,
 ) -> Fitted:
     """The best of several starts: that of the file, and others up to 20 % of a scale beside it, drawn by the seed.
 
@@ -94,10 +106,10 @@ def identify(
     noise: a first fit weighs each signal by a tenth of its standard deviation, the second by what the first has left.
     """
     weights = {name: 0.1 * float(np.std(replay.measured(name))) for name in signals}
-    of = Residuals(replay, free, weights, every, width)
+    of = Residuals(replay, free, weights, every, width, journal)
     first = of.fit(of.begin, most)
     progress(f"start 1: cost {first.cost:.6g} in {first.nfev} steps, by a tenth of each signal")
-    of = Residuals(replay, free, of.left(first.x), every, width)
+    of = Residuals(replay, free, of.left(first.x), every, width, journal)
     random = np.random.Generator(np.random.PCG64(seed))
     found = []
     for number in range(starts):

@@ -15,7 +15,7 @@ from pathlib import Path
 from ev_core.parameters.data_file import TEXT, find_in_config, read_data
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measured.comparisons.planar_mechanics import planar_mechanics
-from ev_sim.measured.comparisons.records import electric_cars, track_record, tyre_rig
+from ev_sim.measured.comparisons.records import electric_cars, motor_map, track_record, tyre_rig
 from ev_sim.report.tables import text_table
 
 # By file of data, what takes the folder and gives numbers by id.
@@ -23,6 +23,7 @@ _DRIVERS: Mapping[str, Callable[[Path], Mapping[str, float]]] = {
     "ferrari_250lm_1.csv.xz": track_record,
     "tyre_rig_cornering.csv.xz": tyre_rig,
     "epa_2022_electric_cars.csv": electric_cars,
+    "id3_motor_map.csv": motor_map,
     "planar_mechanics": planar_mechanics,
 }
 COLUMNS = ("what", "number", "holds", "verdict", "why this limit", "command")

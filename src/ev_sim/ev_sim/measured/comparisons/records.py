@@ -9,6 +9,7 @@ import numpy as np
 
 from ev_core.parameters.data_file import find_in_config
 from ev_msgs_py.refusal import ParameterError
+from ev_sim.measured.motor_map import fit_motor
 from ev_sim.measured.open_loop import OpenLoop, graph, windows_of
 from ev_sim.measured.records.mapping import read_record
 from ev_sim.measured.records.record import SIDESLIP, YAW_RATE
@@ -49,6 +50,12 @@ def tyre_rig(folder: Path) -> dict[str, float]:
     files = [folder / f"tyre_rig_{name}.csv.xz" for name in ("cornering", "drivebrake")]
     unseen = fit_tyre(read_rig(files)).unseen
     return {f"tyre_{kind.replace(' ', '_')}": 100.0 * unseen[kind] for kind in KINDS}
+
+
+def motor_map(folder: Path) -> dict[str, float]:
+    """Errors of a motor's fitted losses on points that the fit has not seen, in percentage points of efficiency."""
+    median, ninety, _ = fit_motor(folder / "id3_motor_map.csv").errors(held_out=True)
+    return {"motor_map_median": median, "motor_map_ninety": ninety}
 
 
 def electric_cars(folder: Path) -> dict[str, float]:

@@ -1,0 +1,59 @@
+"""scripts/run.sh identify --motor: losses that made a map come back, and what is no map is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ev_sim.commands.run_scenario import main
+from ev_sim.measured.motor_map import fit_motor
+from ev_sim.scenarios.parameter_file import ParameterFile
+
+LOSSES = {
+    "copper_loss": 0.06,
+    "iron_loss": 0.4,
+    "eddy_loss": 1.5e-3,
+    "inverter_loss": 250.0,
+    "inverter_torque_loss": 9.0,
+}
+
+
+def write(folder: Path, change: tuple[str, str] = ("", "")) -> Path:
+    """A map of a motor with these losses, of which some corners were not measured."""
+    lines = ["speed_rpm,torque_nm,efficiency_inverter_to_mechanical"]
+    for rpm in np.linspace(500.0, 14000.0, 9):
+        for torque in np.linspace(30.0, 300.0, 7):
+            speed = rpm * np.pi / 30.0
+            loss = sum(
+                value * term
+                for value, term in zip(LOSSES.values(), (torque**2, speed, speed**2, 1.0, torque), strict=True)
+            )
+            efficiency = speed * torque / (speed * torque + loss)
+            lines.append(f"{rpm},{torque},{efficiency:.12g}" if speed * torque < 150e3 else ",,")
+    path = folder / "map.csv"
+    path.write_text("\n".join(lines).replace(*change) + "\n")
+    return path
+
+
+def test_the_losses_of_a_map_come_back(tmp_path, capsys):
+    """To the digits of the file, on points that the fit has not seen too; the file is one for --params."""
+    path = write(tmp_path)
+    main(["identify", "--motor", str(path), "--out", str(tmp_path / "out")])
+    assert "rows left out" in capsys.readouterr().out
+    given = ParameterFile(tmp_path / "out" / "motor.yaml").values_for("/ev/plant")
+    assert given == pytest.approx({f"vehicle.motor.{name}": value for name, value in LOSSES.items()}, rel=1e-6)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["errors"]["held_out"]["largest"] < 1e-6
+    assert (tmp_path / "out" / "error_map.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [(("torque_nm", "torque"), "unknown column"), (("500.0,30.0,", "-500.0,30.0,"), "allowed are speed and torque")],
+)
+def test_what_is_no_map_is_refused(tmp_path, change, message):
+    with pytest.raises(ValueError, match=message):
+        fit_motor(write(tmp_path, change))
