@@ -201,7 +201,33 @@ def test_what_a_can_log_lacks_is_refused(tmp_path):
         read_record(path, mapping)
     if not find_spec("asammdf"):
         (tmp_path / "drive.mf4").write_bytes(b"")
-        with pytest.raises(ParameterError, match="needs the Python package asammdf, which is missing"):
+        for text in (CAN_MAPPING, CAN_MAPPING.replace("dbc: car.dbc", "")):
+            mapping.write_text(text)
+            with pytest.raises(ParameterError, match="needs the Python package asammdf, which is missing"):
+                read_record(tmp_path / "drive.mf4", mapping)
+
+
+@pytest.mark.skipif(not find_spec("asammdf"), reason="asammdf is not installed: only what it refuses is tested")
+def test_channels_of_an_mdf_file_are_read_by_name(tmp_path):
+    """As a measuring tool has them, each over its own times; what is not there, or no number, is refused."""
+    from asammdf import MDF, Signal
+
+    c, time = driven().channels, driven().time
+    with MDF() as file:
+        for name, channel, every in (("r", YAW_RATE, 1), ("v", LONGITUDINAL, 2)):
+            file.append(Signal(c[channel][::every], time[::every], name=name))
+        file.append(Signal(np.array([b"text"] * 9), time[:9], name="note", encoding="utf-8"))
+        file.save(tmp_path / "drive.mf4")
+    mapping = tmp_path / "drive.yaml"
+    mapping.write_text("channels: {twist.yaw_rate: r, twist.longitudinal: v}")
+    record = read_record(tmp_path / "drive.mf4", mapping)
+    size = len(record.valid)
+    assert record.valid.all()
+    assert record[YAW_RATE] == pytest.approx(c[YAW_RATE][:size], abs=1e-9)
+    assert record[LONGITUDINAL] == pytest.approx(c[LONGITUDINAL][:size], abs=5e-4)
+    for name, message in (("rr", "unknown channel of"), ("note", "cannot be read")):
+        mapping.write_text(f"channels: {{twist.yaw_rate: {name}}}")
+        with pytest.raises(ParameterError, match=message):
             read_record(tmp_path / "drive.mf4", mapping)
 
 
