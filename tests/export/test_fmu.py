@@ -266,6 +266,7 @@ def test_units_are_those_of_si(unit, base):
     ("words", "line"),
     [
         (["--out", "9.fmu"], "error: name '9' is refused, allowed is one of a function in C"),
+        (["--only", "driver", "--target", "x86_64-linux", "--out", "int.fmu"], "error: target x86_64-linux: gcc: "),
         (["--out", "a.zip"], "error: a.zip is refused, allowed is NAME.fmu"),
         (["--only", "brakes"], "error: unknown role 'brakes'; known: "),
         (["--target", "thumbv7em"], "error: unknown target of an FMU 'thumbv7em'; known: "),

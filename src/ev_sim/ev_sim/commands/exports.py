@@ -116,7 +116,7 @@ def export_fmu(argv: list[str]) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="NAME.fmu", help="NAME becomes that of the model")
     given = parser.parse_args(argv)
     try:
-        targets = [target_of(name) for name in given.target.split(",")]
+        targets = [target_of(name) for name in dict.fromkeys(given.target.split(","))]
         content = _content(given)
         write_fmu(content, given.fmi, targets, given.out)
     except (ParameterError, OSError) as error:

@@ -72,10 +72,14 @@ def write_fmu(content: Content, fmi: int, targets: Sequence[Target], file: Path)
         if target.name not in _PLACES:
             raise unknown_name("target of an FMU", target.name, _PLACES)
     library = Library(content, file.stem)
-    with OutputFolder(file.parent, f"fmu {file.name}", [file.name]), tempfile.TemporaryDirectory() as made:
+    with tempfile.TemporaryDirectory() as made:
         packed = {place(file.stem, fmi, each.name): _binary(library, fmi, each, Path(made)) for each in targets}
         packed = {"modelDescription.xml": _description(library, fmi, targets[0], Path(made)), **packed}
-        with atomic_file(file) as written, zipfile.ZipFile(written, "w") as archive:
+        with (
+            OutputFolder(file.parent, f"fmu {file.name}", [file.name]),
+            atomic_file(file) as written,
+            zipfile.ZipFile(written, "w") as archive,
+        ):
             for name, path in packed.items():
                 entry = zipfile.ZipInfo(name, _NO_DATE)
                 entry.external_attr = 0o644 << 16

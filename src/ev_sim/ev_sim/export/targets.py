@@ -73,7 +73,9 @@ class Target:
     def _call(self, *words: str | Path) -> None:
         done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
         if done.returncode:
-            raise ParameterError(f"target {self.name}: {words[0]}: {(done.stderr or 'failed').splitlines()[0]}")
+            lines = done.stderr.splitlines() or ["failed"]
+            line = next((line for line in lines if "error" in line), lines[0])
+            raise ParameterError(f"target {self.name}: {words[0]}: {line}")
 
 
 TARGETS = {
