@@ -25,8 +25,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ev_core.compiled.loop import call_part
 from ev_core.compiled.part import CompiledPart
+from ev_core.compiling.machine_code import call
 from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER
@@ -56,7 +56,7 @@ def fused_loop_rate(plant: Configuration) -> float:
     start, steps, begin = part.state.copy(), 0, time.perf_counter()
     while (seconds := time.perf_counter() - begin) < FUSED_SECONDS:
         part.state[:] = start
-        call_part(function, now.ctypes.data, then.ctypes.data, state, constants)
+        call(function, now.ctypes.data, then.ctypes.data, state, constants)
         steps += FUSED_STEPS
     return steps / seconds
 

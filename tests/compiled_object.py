@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.compiled.loop import call_part
 from ev_core.compiled.part import CompiledPart
+from ev_core.compiling.machine_code import call
 from ev_core.methods.register import Method
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import shape_of
@@ -36,11 +36,11 @@ class CompiledObject:
         """Integrate to the next instant; what is not finite is let through to the law, as in plain Python."""
         for (place, per_wheel), signal in zip(self._reads, signals, strict=True):
             self._here[place] = sum(signal, ()) if per_wheel else signal
-        call_part(self._function, self._now, self._next, *self._memory)
+        call(self._function, self._now, self._next, *self._memory)
 
     def outputs(self) -> tuple[Any, ...]:
         """Everything that it writes, at the instant of its state."""
-        call_part(self._function, 0, self._next, *self._memory)
+        call(self._function, 0, self._next, *self._memory)
         return self._said()
 
     def reports(self) -> tuple[str, ...]:

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_core.compiled.loop import call_part
 from ev_core.compiled.part import RowPart
+from ev_core.compiling.machine_code import call
 from ev_core.faults.fault import OF_SIGNALS
 from ev_core.faults.row import FaultRow, of_signals
 from ev_msgs_py.contract import frame
@@ -33,7 +33,7 @@ def struck(*texts: str, steps: int = 12, seed: int = 0, compiled: bool = False) 
     function, state, constants = part.addresses()
     for numbers in frames:
         if compiled:
-            assert call_part(function, 0, numbers.ctypes.data, state, constants) == 0
+            assert call(function, 0, numbers.ctypes.data, state, constants) == 0
         else:
             row.step(numbers)
     return frames

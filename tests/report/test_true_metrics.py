@@ -114,13 +114,13 @@ def test_sensors_and_faults_make_of_the_truth_what_was_recorded(sensors, faults,
     for name, place in frame.channels().items():
         if name in truth.channels:
             frames[:, place] = truth.channels[name]
-    from ev_core.compiled.loop import call_part
+    from ev_core.compiling.machine_code import call
 
     parts = [part for role in ("plant", "steering_column") for part in row_parts(run.configurations[role])]
     for row in frames:
         for part in parts:
             function, state, constants = part.addresses()
-            call_part(function, 0, row.ctypes.data, state, constants)
+            call(function, 0, row.ctypes.data, state, constants)
     for name, place in frame.channels().items():
         if name in recording.channels:
             assert np.array_equal(frames[:, place], recording.channels[name]), name

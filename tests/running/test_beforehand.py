@@ -34,7 +34,7 @@ NODES = {"node_steps", "tally", "newest_tally"}
     [
         (True, (), METHODS | NODES),
         (True, ("asr",), METHODS - {"asr off"} | NODES),
-        (False, (), METHODS | {"loops"}),
+        (False, (), METHODS | {"run_instants", "run_through"}),
     ],
 )
 def test_a_run_compiles_what_it_needs_and_nothing_else(in_nodes, others, needed, monkeypatch):
@@ -49,7 +49,7 @@ def test_a_run_compiles_what_it_needs_and_nothing_else(in_nodes, others, needed,
 def test_without_ros_nothing_is_compiled_for_nodes(monkeypatch):
     monkeypatch.setattr(beforehand, "find_spec", lambda _: None)
     assert beforehand.stepping(in_nodes=True) == []
-    assert [unit.name for unit in beforehand.stepping(in_nodes=False)] == ["loops"]
+    assert [unit.name for unit in beforehand.stepping(in_nodes=False)] == ["run_instants", "run_through"]
 
 
 def _unit(folder: Path, name: str, make=None) -> Unit:

@@ -145,7 +145,7 @@ def test_a_folder_keeps_everything_that_no_command_has_written(had: list, acts: 
 
 SHORT = ("--duration", "0.02", "--no-report")
 COMMANDS = (
-    ("run", "coast_down", "--offline", *SHORT, "--out", "{out}"),
+    ("run", "coast_down", "--offline", "--duration", "0.02", "--out", "{out}"),
     ("run", "coast_down", "--offline", "--no-record", *SHORT, "--out", "{out}"),
     ("run", "sweep", "coast_down", "--seeds", "1", "--workers", "1", "--signals", *SHORT, "--out", "{out}"),
     ("run", "report", "{driven}", "--out", "{out}/page.html"),

@@ -80,7 +80,7 @@ def test_every_way_of_running_gives_the_same_signals(
 ):
     """Also bit by bit, so that a hash that forgets a channel would be noticed."""
     monkeypatch.setitem(ENVIRONMENT, VARIABLE, loop)
-    run("shchur2019", "--duration", 3, *way, "--out", tmp_path)
+    run("shchur2019", "--duration", 3, "--no-report", *way, "--out", tmp_path)
     assert summary(tmp_path)["signal_hash"] == summary(offline)["signal_hash"]
     ours, theirs = load(tmp_path / "signals.npz"), load(offline / "signals.npz")
     assert ours.channels.keys() == theirs.channels.keys()
@@ -91,7 +91,7 @@ def test_every_way_of_running_gives_the_same_signals(
 
 def test_the_same_signals_while_both_cores_are_busy(offline: Path, tmp_path: Path):
     with both_cores_busy():
-        run("shchur2019", "--duration", 3, "--no-record", "--out", tmp_path)
+        run("shchur2019", "--duration", 3, "--no-record", "--no-report", "--out", tmp_path)
     assert summary(tmp_path)["signal_hash"] == summary(offline)["signal_hash"]
 
 
@@ -114,7 +114,8 @@ def test_options_reach_the_nodes(tmp_path: Path):
     more.write_text("/**/driver:\n  ros__parameters:\n    speed_control: {proportional_gain: 1500.0}\n")
     out = tmp_path / "out"
     words = ("--method", "electronic_differential=equal_torque", "--set", "plant.drive=averaged", "--seed", "7")
-    run("shchur2019", "--offline", "--duration", 1, "--no-record", "--params", more, *words, "--out", out)
+    short = ("--offline", "--duration", 1, "--no-record", "--no-report")
+    run("shchur2019", *short, "--params", more, *words, "--out", out)
     content = summary(out)
     assert content["methods"]["electronic_differential"] == "equal_torque"
     assert content["parameters"]["plant"]["drive"] == "averaged"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sensors.rows import EVERYTHING
 
-from ev_core.compiled.loop import call_part
+from ev_core.compiling.machine_code import call
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.parts import compiled_parts, hand_over, part_of
 from ev_core.sensors.measuring import HEADING, NUMBERS
@@ -28,7 +28,7 @@ def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> 
         for part in parts:
             function, state, constants = part.addresses()
             now = said[k - 1].ctypes.data if k else 0
-            assert call_part(function, now, said[k].ctypes.data, state, constants) == 0
+            assert call(function, now, said[k].ctypes.data, state, constants) == 0
         said[k, frame.PLACES[WheelTorqueCommand]][:2] = 100.0 + k, 200.0
     return said
 

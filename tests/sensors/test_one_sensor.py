@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from sensors.rows import EVERYTHING, sensors, shown
 
-from ev_core.compiled.loop import call_part
 from ev_core.compiled.part import RowPart
+from ev_core.compiling.machine_code import call
 from ev_core.sensors.random_numbers import philox
 from ev_core.sensors.row import QUANTITIES, SensorRow
 from ev_msgs_py.contract import frame
@@ -153,7 +153,7 @@ def test_compiled_sensors_show_the_same_bits(seed):
         true = random.normal(size=frame.SIZE)
         numbers = true.tolist()
         plain.step(numbers)
-        assert call_part(function, 0, true.ctypes.data, state, constants) == 0
+        assert call(function, 0, true.ctypes.data, state, constants) == 0
         assert true.tobytes() == np.array(numbers).tobytes()
         assert part.state.tobytes() == np.array(plain.state).tobytes()
 

@@ -24,7 +24,7 @@ WORDS = ("shchur2019", "--vary", "electronic_differential.gamma=0:10:3", "--vary
 
 
 def sweep_into(out: Path, *more: str) -> Path:
-    words = ["--seeds", "2", "--duration", "0.1", "--workers", "1", "--no-report", "--out", str(out), *more]
+    words = ["--seeds", "2", "--duration", "0.1", "--workers", "1", "--out", str(out), *more]
     main(["sweep", *WORDS, *words])
     return out
 

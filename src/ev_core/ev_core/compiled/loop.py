@@ -1,37 +1,29 @@
-"""Compiled code as Python calls it: the instants of a run in one loop, and single functions."""
+"""Compiled code as Python calls it: the instants of a run in one loop, and single functions.
+
+Where the loop is on disk it is loaded without numba, whose import takes longer than a short run.
+"""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from ctypes import CFUNCTYPE, c_int32, c_int64, c_void_p
+from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit, types
 
-from ev_core.compiling.machine_code import (
-    OPTIONS,
-    call,
-    compiled_function,
-    is_any_overload_kept,
-    keep_overloads,
-)
+from ev_core.compiling.machine_code import Code, call, compiled_function
 from ev_core.parameters.record import numbers, record_type
-from ev_msgs_py.contract.frame import SIZE, TIME
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.frame import TIME
 
 FINISHED, NOT_FINITE, FAILED = range(3)
 
 _EXPONENT = 0x7FF0000000000000  # of a float64: all ones in what is infinite or no number
 
 
-@keep_overloads
-@njit(nogil=True, **OPTIONS)
-def call_part(address: int, now: int, next: int, state: int, constants: int) -> int:
-    """Call a part by the addresses of its function, frames, state and constants."""
-    return call(address, now, next, state, constants)
-
-
-@njit(**OPTIONS)
+@compilable
 def _is_finite(bits: np.ndarray, at: int, begin: int, end: int) -> bool:
     """Without a way out of the loop, and on integers, so that many numbers are looked at in one instruction."""
     found = 0
@@ -40,7 +32,7 @@ def _is_finite(bits: np.ndarray, at: int, begin: int, end: int) -> bool:
     return found == 0
 
 
-@njit(nogil=True, **OPTIONS)
+@compilable
 def _drive_instant(
     frames: np.ndarray, here: int, there: int, is_last: bool, parts: np.ndarray, answering: int, stopped: np.ndarray
 ) -> int:
@@ -58,18 +50,10 @@ def _drive_instant(
     return FINISHED
 
 
-@keep_overloads
-@njit(nogil=True, **OPTIONS)
-def run_instants(
+@compilable
+def _drive_instants(
     frames: np.ndarray, first: int, last: int, final: bool, parts: np.ndarray, answering: int, stopped: np.ndarray
 ) -> int:
-    """Let the parts answer at the instants first..last-1 and integrate from each of them to the next one.
-
-    `frames` of shape (instants, frame size) begin at the first instant; at a `final` last one all answer, too. `parts`
-    has a row for each part: addresses of its function, its state and its constants, begin and end of what it writes;
-    first those that answer, `answering` of them. Returns FINISHED; or NOT_FINITE or FAILED, with instant and part in
-    `stopped`, and then nothing behind that has been done.
-    """
     for n in range(first, last + int(final)):
         status = _drive_instant(frames, n, n + 1, n == last, parts, answering, stopped)
         if status != FINISHED:
@@ -77,13 +61,10 @@ def run_instants(
     return FINISHED
 
 
-@keep_overloads
-@njit(nogil=True, **OPTIONS)
-def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answering: int, stopped: np.ndarray) -> int:
-    """Drive a whole run from its start on two frames, in turn that of the instant and the next one; as `run_instants`.
-
-    `times` are those of the instants [s]. The third number in `stopped` is the index of the frame.
-    """
+@compilable
+def _drive_through(
+    frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answering: int, stopped: np.ndarray
+) -> int:
     for i in range(answering, parts.shape[0]):
         stopped[0], stopped[1], stopped[2] = 0, i, 0
         if call(parts[i, 0], 0, frames.ctypes.data, parts[i, 1], parts[i, 2]) != 0:
@@ -102,17 +83,92 @@ def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answer
     return FINISHED
 
 
-def are_kept() -> bool:
-    """Whether the compiled form of the loops is on disk."""
-    return all(map(is_any_overload_kept, (call_part, run_instants, run_through)))
+_INSTANTS = Code(
+    "run_instants",
+    '''"""Instants of a run: generated, do not edit."""
+
+import numpy as np
+from numba import carray, cfunc, types
+
+I, P = types.int64, types.voidptr
 
 
-def compile_loops() -> None:
-    """Make the compiled form of the loops, by runs of no parts."""
-    call_part.compile((types.int64,) * 5)
-    frames, parts, stopped = np.zeros((2, SIZE)), np.zeros((0, 5), np.int64), np.zeros(3, np.int64)
-    run_instants(frames, 0, 1, True, parts, 0, stopped)
-    run_through(frames, np.zeros(2), parts, 0, stopped)
+@cfunc(types.int32(P, I, I, I, I, I, P, I, I, P), error_model="numpy")
+def step(frames, instants, width, first, last, final, parts, count, answering, stopped):
+    return drive(
+        carray(frames, (instants, width), np.float64),
+        first,
+        last,
+        final != 0,
+        carray(parts, (count, 5), np.int64),
+        answering,
+        carray(stopped, 2, np.int64),
+    )
+''',
+    {"drive": _drive_instants},
+)
+_THROUGH = Code(
+    "run_through",
+    '''"""A whole run: generated, do not edit."""
+
+import numpy as np
+from numba import carray, cfunc, types
+
+I, P = types.int64, types.voidptr
+
+
+@cfunc(types.int32(P, I, P, I, P, I, I, P), error_model="numpy")
+def step(frames, width, times, instants, parts, count, answering, stopped):
+    return drive(
+        carray(frames, (2, width), np.float64),
+        carray(times, instants, np.float64),
+        carray(parts, (count, 5), np.int64),
+        answering,
+        carray(stopped, 3, np.int64),
+    )
+''',
+    {"drive": _drive_through},
+)
+LOOPS = (_INSTANTS, _THROUGH)  # that are to be compiled before something is driven
+
+
+@cache
+def _instants() -> Any:
+    integer, pointer = c_int64, c_void_p
+    kinds = pointer, *[integer] * 5, pointer, integer, integer, pointer
+    return CFUNCTYPE(c_int32, *kinds)(_INSTANTS.address())
+
+
+@cache
+def _through() -> Any:
+    integer, pointer = c_int64, c_void_p
+    kinds = pointer, integer, pointer, integer, pointer, integer, integer, pointer
+    return CFUNCTYPE(c_int32, *kinds)(_THROUGH.address())
+
+
+def run_instants(
+    frames: np.ndarray, first: int, last: int, final: bool, parts: np.ndarray, answering: int, stopped: np.ndarray
+) -> int:
+    """Let the parts answer at the instants first..last-1 and integrate from each of them to the next one.
+
+    `frames` of shape (instants, frame size) begin at the first instant; at a `final` last one all answer, too. `parts`
+    has a row for each part: addresses of its function, its state and its constants, begin and end of what it writes;
+    first those that answer, `answering` of them. All arrays are contiguous, those of integers int64. Returns FINISHED;
+    or NOT_FINITE or FAILED, with instant and part in `stopped`, and then nothing behind that has been done.
+    """
+    at, rows, stop = frames.ctypes.data, parts.ctypes.data, stopped.ctypes.data
+    status: int = _instants()(at, *frames.shape, first, last, final, rows, len(parts), answering, stop)
+    return status
+
+
+def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answering: int, stopped: np.ndarray) -> int:
+    """Drive a whole run from its start on two frames, in turn that of the instant and the next one; as `run_instants`.
+
+    `times` are those of the instants [s]. The third number in `stopped` is the index of the frame.
+    """
+    at, clock, rows, stop = frames.ctypes.data, times.ctypes.data, parts.ctypes.data, stopped.ctypes.data
+    status: int = _through()(at, frames.shape[1], clock, len(times), rows, len(parts), answering, stop)
+    return status
 
 
 _TEXT = '''"""{function}: generated, do not edit."""

@@ -146,12 +146,6 @@ class Code(NamedTuple):
         return function_address(*self)
 
 
-def is_any_overload_kept(function: Any) -> bool:
-    """Whether something that numba has made of a function with `keep_overloads` is on disk."""
-    key = key_of(function.__name__, "", {"function": function})
-    return any(cache_folder().glob(f"{key}.{_machine()}.*.numba"))
-
-
 def forget_older(key: str) -> None:
     """Delete what older texts of the same name were compiled to, but for those that were compiled last."""
     folder, name = cache_folder(), key.rpartition("_")[0]
@@ -212,13 +206,6 @@ def register_functions() -> None:
         register_jitable(**OPTIONS, no_cfunc_wrapper=True, forceinline=function in INLINED)(function)
         _registered += 1
     _reached = Reach(*FUNCTIONS)
-
-
-def keep_overloads(function: Any) -> Any:
-    """Let what numba makes of a function with `njit` be kept on disk; the function itself comes back."""
-    _make_known()
-    _keep(function, key_of(function.__name__, "", {"function": function}), reach_of("", {"function": function}))
-    return function
 
 
 def _keep(function: Any, key: str, reach: Reach) -> None:

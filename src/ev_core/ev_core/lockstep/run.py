@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.compiled.loop import FINISHED, NOT_FINITE, call_part, run_instants
+from ev_core.compiled.loop import FINISHED, NOT_FINITE, run_instants
+from ev_core.compiling.machine_code import call as call_at
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import check_graph, step_order
 from ev_core.lockstep.parts import compiled_parts, method_part
@@ -38,7 +39,7 @@ def refuse_not_finite(numbers: np.ndarray, signals: Iterable[type]) -> None:
 def call(part: Any, now: int, there: np.ndarray) -> None:
     """Let a part write into the frame `there`, by that at the address `now`, its start by 0; raises what it raises."""
     function, state, constants = part.addresses()
-    if call_part(function, now, there.ctypes.data, state, constants) != 0:
+    if call_at(function, now, there.ctypes.data, state, constants) != 0:
         raise part.error
 
 

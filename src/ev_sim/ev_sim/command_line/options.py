@@ -111,7 +111,7 @@ def add_outputs(parser: argparse.ArgumentParser) -> None:
         metavar="NAME,NAME",
         help="only these in print: FIGURE, PANEL or FIGURE.PANEL with * and ?, where PANEL is its title, as yaw_rate",
     )
-    parser.add_argument("--no-report", action="store_true", help="no report.html; metrics and figures all the same")
+    parser.add_argument("--no-report", action="store_true", help="neither report.html nor PNG figures")
 
 
 def printing(given: argparse.Namespace) -> Print:

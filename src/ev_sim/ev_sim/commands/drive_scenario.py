@@ -50,7 +50,7 @@ def drive_scenario(given: argparse.Namespace) -> None:
     with OutputFolder(out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs) as folder:
         outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
         result = Result(scenario, outcomes, mode, commands, given.command)
-        summary, figures = result.summary(), result.figures()
+        summary, figures = result.summary(), {} if given.no_report else result.figures()
         folder.claim(figure_files(figures))
         content = result.write_report(folder.directory, figures, not given.no_report)
         prints.save(result.sheets, folder.directory, folder.claim)
@@ -67,8 +67,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
         print(each.report)
     print(f"signal hash {content['signal_hash']}")
     print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
-    page = "" if given.no_report else "report.html, "
-    print(f"{page}figures, signals and summary: {folder.directory}")
+    page = "" if given.no_report else "report.html, figures, "
+    print(f"{page}signals and summary: {folder.directory}")
 
 
 def _command_of(folder: Path) -> str:

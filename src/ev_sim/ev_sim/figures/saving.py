@@ -42,7 +42,9 @@ def figure_files(figures: Iterable[str], formats: Sequence[str] = _SCREEN) -> li
 
 def save_figures(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[str] = _SCREEN) -> list[Path]:
     """Write each figure as NAME.FORMAT; return the paths."""
-    from matplotlib import style
+    if not figures:
+        return []
+    from matplotlib import style  # slow to import
 
     paths = []
     for name in figure_files(figures, formats):

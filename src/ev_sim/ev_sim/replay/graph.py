@@ -245,12 +245,12 @@ class Replayed:
         comparing.table_files(self.differences, folder.directory)
         content = self._content(runs)
         sheets = {_LATENCY: comparing.latency_sheet(self._latency)} if self._latency else {}
-        figures = drawn(sheets)
-        save_figures(figures, folder.directory)
         prints.save(sheets, folder.directory, folder.claim)
         write_summary(folder.directory / SUMMARY, content)
         if not page:
             return ""
+        figures = drawn(sheets)
+        save_figures(figures, folder.directory)
         from ev_sim.report.page.writing import Page, Signals, images_of, write_page
 
         signals = Signals("", runs, self.replay.configuration.common.vehicle)

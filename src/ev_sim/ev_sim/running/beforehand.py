@@ -16,6 +16,7 @@ from importlib.util import find_spec
 from multiprocessing.connection import wait
 from typing import Any, NamedTuple
 
+from ev_core.compiled.loop import LOOPS
 from ev_core.compiling.machine_code import Code, can_be_kept, counted_by_others, kept_code
 from ev_core.compiling.user_cache import cache_folder
 from ev_core.lockstep import tally
@@ -148,12 +149,10 @@ def stepping(in_nodes: bool) -> list[Unit]:
     """What steps the methods, in nodes or offline; without ROS there are no nodes."""
     if in_nodes and find_spec("rclpy") is None:
         return []
-    if in_nodes:
-        from ev_core.node_loop import steps
-        from ev_core.node_loop.ordinary_steps import is_switched_on
+    if not in_nodes:
+        return [*map(unit_of_code, LOOPS)]
+    from ev_core.node_loop import steps
+    from ev_core.node_loop.ordinary_steps import is_switched_on
 
-        loop = [steps.CODE] if is_switched_on() else []
-        return [*map(unit_of_code, (*loop, tally.ANY_STEP, tally.NEWEST_STEP))]
-    from ev_core.compiled import loop as loops  # numba is slow to import
-
-    return [Unit("loops", loops.are_kept, loops.compile_loops, "loops")]
+    loop = [steps.CODE] if is_switched_on() else []
+    return [*map(unit_of_code, (*loop, tally.ANY_STEP, tally.NEWEST_STEP))]

@@ -152,7 +152,7 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         if all(result.refused for result in driven):
             raise RunFailed(f"none of {len(driven)} runs has a row; {driven[0].name}: {driven[0].refused}")
         metrics, sheets, tables, table = _summed_up(study, given, results)
-        figures = drawn(sheets)
+        figures = {} if given.no_report else drawn(sheets)
         folder.claim(figure_files(figures))
         save_figures(figures, folder.directory)
         content = _summary(name, given, cases, signals, results, metrics, wall_time)
@@ -186,8 +186,8 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     print(f"signal hash {content['signal_hash']}")
     again = f", {before} of them driven before (--anew drives them again)" if before else ""
     print(f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s{again}")
-    page = "" if given.no_report else "report.html, "
-    print(f"{page}figures and summary: {folder.directory}")
+    page = "" if given.no_report else "report.html, figures and "
+    print(f"{page}summary: {folder.directory}")
 
 
 def _drive(
