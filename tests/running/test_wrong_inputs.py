@@ -46,11 +46,11 @@ def refused(*words: str, out: Path) -> str:
         ),
         (
             ["compare", "--duration", "0"],
-            "none of 15 runs can be driven; adaptive: duration: 0.0 is refused, allowed is",
+            "none of 16 runs can be driven; adaptive: duration: 0.0 is refused, allowed is",
         ),
         (
             ["compare", "--duration", "-1"],
-            "none of 15 runs can be driven; adaptive: duration: -1.0 is refused, allowed",
+            "none of 16 runs can be driven; adaptive: duration: -1.0 is refused, allowed",
         ),
         (
             ["compare", "--methods", "slip_target"],

@@ -151,14 +151,19 @@ def direct_yaw_moment(
     motion = known_motion(p.known, car, s.known, period, p.estimation, driver, column, wheels, imu, body, tires)
     asked, fast = 0.0, faded_in(p.single_track, motion.speed)
     if fast == 0.0:
-        s.integral.moment = s.wanted.yaw_rate = 0.0
+        s.wanted.yaw_rate = 0.0
     else:
         angle, a_y = column.road_wheel_angle, imu.lateral_acceleration
         asked = fast * wanted_moment(p, car, c, s, period, motion, wheels, angle, a_y)
         asked = min(max(asked, -p.largest_moment), p.largest_moment)
     drive = torques(p, car, motion, wheels, imu, driver.drive_torque, asked)
     request = allocated(p.limits, car, wheels, WheelTorqueRequest(drive, split_brake(p.brake, driver)))
-    follow_saturation(s.integral, period, p.tracking_time, asked - turned_by(car, request.drive))
+    if fast > 0.0 and (p.controller == PI or p.controller == SUPER_TWISTING):
+        # By load, left and right differ without a moment: only what saturation takes is missing.
+        given = asked if p.allocation == LEAST_SQUARES else turned_by(car, drive)
+        follow_saturation(s.integral, period, p.tracking_time, given - turned_by(car, request.drive))
+    else:
+        s.integral.moment = 0.0
     return request
 
 

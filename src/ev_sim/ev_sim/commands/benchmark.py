@@ -9,7 +9,6 @@ import argparse
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 
 from ev_msgs_py.refusal import ParameterError, unknown_name
@@ -19,9 +18,8 @@ from ev_sim.benchmark.result import CELL_COLUMNS, COLUMNS, BoardResult
 from ev_sim.command_line.options import command_of
 from ev_sim.command_line.refusal import Parser
 from ev_sim.recording.outcome import bar_of_runs
-from ev_sim.recording.recording import atomic_file
 from ev_sim.report.summary import versions, write_summary
-from ev_sim.report.tables import text_table
+from ev_sim.report.tables import text_table, write_parquet
 from ev_sim.running.output_folder import OutputFolder
 
 FILES = ("board.json", "runs.json", "runs.parquet")
@@ -81,11 +79,5 @@ def _write(folder: Path, result: BoardResult, command: str) -> None:
     write_summary(folder / "board.json", result.as_json() | {"versions": versions(), "command": command})
     runs = result.runs()
     write_summary(folder / "runs.json", {"runs": runs})
-    if find_spec("pyarrow") is not None:
-        import pyarrow
-        import pyarrow.parquet
-
-        names = dict.fromkeys(name for run in runs for name in run)
-        columns = pyarrow.table({name: [run.get(name) for run in runs] for name in names})
-        with atomic_file(folder / "runs.parquet") as file:
-            pyarrow.parquet.write_table(columns, file)
+    names = dict.fromkeys(name for run in runs for name in run)
+    write_parquet(folder / "runs.parquet", {name: [run.get(name) for run in runs] for name in names})

@@ -47,13 +47,18 @@ def write_tables(
     for suffix, text in texts.items():
         with atomic_file(folder / f"table.{suffix}") as file:
             file.write(text.encode())
+    write_parquet(folder / "table.parquet", {name: [row[i] for row in rows] for i, name in enumerate(columns)})
+
+
+def write_parquet(path: Path, columns: Mapping[str, Sequence[Any]]) -> None:
+    """Write columns of one length as a Parquet file, where pyarrow is installed; None is a gap."""
     if find_spec("pyarrow") is not None:
         import pyarrow
         import pyarrow.parquet
 
-        series = {column: _of_one_kind([row[i] for row in rows]) for i, column in enumerate(columns)}
-        with atomic_file(folder / "table.parquet") as file:
-            pyarrow.parquet.write_table(pyarrow.table(series), file)
+        table = pyarrow.table({name: _of_one_kind(values) for name, values in columns.items()})
+        with atomic_file(path) as file:
+            pyarrow.parquet.write_table(table, file)
 
 
 def _of_one_kind(values: Sequence[Any]) -> Sequence[Any]:
