@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import shutil
 import subprocess
@@ -16,7 +17,8 @@ from ev_sim.export import targets
 
 LAW = ["export", "shchur2019", "--only", "driver"]
 LINUX = ["--target", "x86_64-linux"]
-PLAIN = Path(__file__).parents[2] / "docs" / "examples" / "own_law.py"
+ROOT = Path(__file__).parents[2]
+PLAIN = ROOT / "docs" / "examples" / "own_law.py"
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +69,49 @@ def test_the_same_export_is_replaced_and_a_changed_file_is_not(folder):
 def test_a_law_is_made_for_a_processor_without_system(tmp_path):
     perform([*LAW, "--target", "thumbv7em", "--out", str(tmp_path)])
     assert not [*tmp_path.glob("*_program.c")]  # nothing there runs one
+
+
+_WITH_A_LIST = """
+from dataclasses import dataclass
+
+from ev_core.law import Wheels, WheelTorqueCommand, WheelTorqueRequest, compilable, method, parameter
+
+
+@dataclass(frozen=True, slots=True)
+class ShareParameters:
+    share: float = parameter(0.5, unit="1", low=0.0, high=1.0, about="of the torques")
+
+
+@method("asr", "with_a_list", ShareParameters)
+@compilable
+def with_a_list(p: ShareParameters, request: WheelTorqueRequest) -> WheelTorqueCommand:
+    torque = [0.0, 0.0, 0.0, 0.0]
+    for i in range(4):
+        torque[i] = p.share * request.drive[i]
+    return WheelTorqueCommand(Wheels(torque[0], torque[1], torque[2], torque[3]), request.brake)
+"""
+
+
+def test_a_law_that_needs_a_heap_is_refused(tmp_path):
+    file = tmp_path / "law.py"
+    file.write_text(_WITH_A_LIST)
+    words = ["export", "shchur2019", "--only", "asr", "--method", f"asr={file}", *LINUX, "--out", str(tmp_path / "out")]
+    assert "makes a list or an array in a step, which needs a heap" in refused(*words)
+    assert not (tmp_path / "out").exists()
+
+
+def test_no_compiled_function_of_ours_makes_a_list():
+    """So that every law and every plant can be exported; the text is read, for to compile all of them takes minutes."""
+    made = []
+    for file in (ROOT / "src").glob("*/*/**/*.py"):
+        for function in ast.walk(ast.parse(file.read_text())):
+            if isinstance(function, ast.FunctionDef) and any(map(_is_compilable, function.decorator_list)):
+                made += [(file.name, n.lineno) for n in ast.walk(function) if isinstance(n, (ast.List, ast.ListComp))]
+    assert made == []
+
+
+def _is_compilable(decorator: ast.expr) -> bool:
+    return isinstance(decorator, ast.Name) and decorator.id == "compilable"
 
 
 def test_a_method_in_plain_python_is_refused(tmp_path):

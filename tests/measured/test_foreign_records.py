@@ -84,7 +84,7 @@ def test_a_bag_of_standard_messages_needs_no_mapping(tmp_path):
     assert any("taken as measured at the centre of mass" in note for note in record.notes)
 
 
-def test_a_car_is_identified_from_a_bag_that_knows_no_lateral_velocity(tmp_path):
+def test_a_car_is_identified_from_a_bag_that_knows_no_lateral_velocity(tmp_path, capsys):
     """Odometry of wheels has zero there: each window begins 1 s earlier, and the yaw rate alone is compared.
 
     Yaw inertia begun 20 % off comes back to 2 %, without noise; what is left is the way into the window.
@@ -92,6 +92,7 @@ def test_a_car_is_identified_from_a_bag_that_knows_no_lateral_velocity(tmp_path)
     bag = write_bag(tmp_path, aside=0.0)
     of = ["identify", str(bag), "--vehicle", CAR, "--free", "vehicle.yaw_inertia", "--window", "2", "--steps", "5"]
     main([*of, "--set", "*.vehicle.yaw_inertia=3000.0", "--no-report", "--out", str(tmp_path / "out")])
+    assert "note: twist.yaw_rate is /imu:angular_velocity.z, taken as measured" in capsys.readouterr().out
     found = json.loads((tmp_path / "out" / "summary.json").read_text())
     truth = vehicle_of(CAR).yaw_inertia
     assert found["identified"]["vehicle.yaw_inertia"]["value"] == pytest.approx(truth, rel=0.02)
@@ -127,6 +128,8 @@ def test_a_mapping_names_fields_of_a_bag(tmp_path):
         mapping.write_text(f"channels:\n  twist.yaw_rate: '{wrong}'\n")
         with pytest.raises(ParameterError, match=r"is no number of|unknown topic"):
             read_record(bag, mapping)
+    with pytest.raises(SystemExit, match=r"nowhere: No such file or directory$"):
+        main(["validate", str(tmp_path / "nowhere"), "--vehicle", CAR])
     (tmp_path / "no.mcap").write_bytes(b"no bag at all")
     with pytest.raises(ParameterError, match="the bag cannot be read"):
         read_record(tmp_path / "no.mcap", mapping)
@@ -167,7 +170,7 @@ def write_log(folder: Path, suffix: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize("suffix", [".log", ".asc", ".blf"])
+@pytest.mark.parametrize("suffix", [".log", ".asc", ".blf", *([".mf4"] if find_spec("asammdf") else [])])
 def test_a_can_log_is_read_by_its_dbc(tmp_path, suffix):
     """To half a digit of the DBC, at 50 Hz; .asc has times to 1e-6 s."""
     path = write_log(tmp_path, suffix)
@@ -198,7 +201,33 @@ def test_what_a_can_log_lacks_is_refused(tmp_path):
         read_record(path, mapping)
     if not find_spec("asammdf"):
         (tmp_path / "drive.mf4").write_bytes(b"")
-        with pytest.raises(ParameterError, match="needs the Python package asammdf, which is missing"):
+        for text in (CAN_MAPPING, CAN_MAPPING.replace("dbc: car.dbc", "")):
+            mapping.write_text(text)
+            with pytest.raises(ParameterError, match="needs the Python package asammdf, which is missing"):
+                read_record(tmp_path / "drive.mf4", mapping)
+
+
+@pytest.mark.skipif(not find_spec("asammdf"), reason="asammdf is not installed: only what it refuses is tested")
+def test_channels_of_an_mdf_file_are_read_by_name(tmp_path):
+    """As a measuring tool has them, each over its own times; what is not there, or no number, is refused."""
+    from asammdf import MDF, Signal
+
+    c, time = driven().channels, driven().time
+    with MDF() as file:
+        for name, channel, every in (("r", YAW_RATE, 1), ("v", LONGITUDINAL, 2)):
+            file.append(Signal(c[channel][::every], time[::every], name=name))
+        file.append(Signal(np.array([b"text"] * 9), time[:9], name="note", encoding="utf-8"))
+        file.save(tmp_path / "drive.mf4")
+    mapping = tmp_path / "drive.yaml"
+    mapping.write_text("channels: {twist.yaw_rate: r, twist.longitudinal: v}")
+    record = read_record(tmp_path / "drive.mf4", mapping)
+    size = len(record.valid)
+    assert record.valid.all()
+    assert record[YAW_RATE] == pytest.approx(c[YAW_RATE][:size], abs=1e-9)
+    assert record[LONGITUDINAL] == pytest.approx(c[LONGITUDINAL][:size], abs=5e-4)
+    for name, message in (("rr", "unknown channel of"), ("note", "cannot be read")):
+        mapping.write_text(f"channels: {{twist.yaw_rate: {name}}}")
+        with pytest.raises(ParameterError, match=message):
             read_record(tmp_path / "drive.mf4", mapping)
 
 

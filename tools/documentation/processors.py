@@ -1,4 +1,4 @@
-"""The table of docs/determinism.md: a run of each scenario as a program on several processors, against its hash."""
+"""The table of docs/determinism.md: every run as an exported program on several processors, against its hash."""
 
 from __future__ import annotations
 
@@ -32,14 +32,13 @@ def hash_on(run: Run, target: Target, objects: Path) -> str:
 
 
 def processor_table(published: Hashes) -> str:
-    """A row for the first run of each scenario; one that differs from its published hash shows its own."""
+    """A row for each run; one that differs from its published hash shows its own."""
     refuse_missing()
     rows = []
     with tempfile.TemporaryDirectory() as folder:
-        firsts = dict(reversed(published))
-        for scenario, name in reversed(firsts.items()):
+        for (scenario, name), digits in published.items():
             (run,) = load_scenario(scenario, only=[name]).runs
-            digits, found = published[scenario, name], []
+            found = []
             for target in DRIVEN:
                 objects = Path(folder, target)
                 objects.mkdir(exist_ok=True)

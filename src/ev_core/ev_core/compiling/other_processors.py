@@ -104,7 +104,10 @@ def object_file(code: Code, symbol: str, processor: Processor) -> bytes:
     if "p:32:32" in str(machine.target_data) and _OF_POINTERS.search(str(module)):
         raise ParameterError(f"{code.name} is refused for {processor.triple}, it keeps pointers in working memory")
     made: bytes = machine.emit_object(module)
-    if foreign := sorted({*calls(made)} - processor.may_call):
+    foreign = sorted({*calls(made)} - processor.may_call)
+    if any(name.startswith("NRT_") for name in foreign):
+        raise ParameterError(f"{code.name} is refused, it makes a list or an array in a step, which needs a heap")
+    if foreign:
         raise ParameterError(f"{code.name} is refused, its code calls {', '.join(foreign)}, which is not everywhere")
     return made
 

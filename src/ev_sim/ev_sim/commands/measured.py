@@ -152,6 +152,8 @@ def run_identify(argv: Sequence[str]) -> None:
         print(found.table())
         found.write(folder.directory, not given.no_report)
         journal.remove()
+    for note in record.notes:
+        print(f"note: {note}")
     if journal.taken:
         print(f"went on behind {journal.taken} evaluations of a search that was stopped")
     print(f"car: {folder.directory / CAR}")

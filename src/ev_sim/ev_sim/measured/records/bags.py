@@ -144,6 +144,8 @@ def _opened(bag: Path) -> Iterator[AnyReader]:
             yield reader
     except ParameterError:
         raise
+    except OSError as error:
+        raise ParameterError(f"{bag}: {error.strerror or error}") from None
     except MemoryError:
         raise ParameterError(
             f"{bag}: unfolded it takes more memory than there is ({SIGNALS // MEGABYTE} MB packed)"

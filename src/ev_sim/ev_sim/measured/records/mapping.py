@@ -12,7 +12,7 @@ from ev_core.parameters.data_file import TEXT, read_data
 from ev_core.parameters.values import build
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.measured.records import bags, can_logs
+from ev_sim.measured.records import bags, can_logs, mdf
 from ev_sim.measured.records.record import (
     SIDESLIP,
     ColumnParameters,
@@ -74,13 +74,15 @@ def _given(mapping: Path) -> Mapping[str, Any]:
 
 def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
     """What reads the columns of a file with their times; the time of a CSV file and the DBC are in the mapping."""
-    is_table = path.suffix not in (*_BAGS, *can_logs.SUFFIXES)
+    if path.suffix == mdf.SUFFIX and "dbc" not in given and "time" not in given:
+        return mdf.read_columns
     is_log = path.suffix in can_logs.SUFFIXES
+    is_table = not is_log and path.suffix not in _BAGS
     for name, needed in (("time", is_table), ("dbc", is_log)):
         if (name in given) != needed:
-            wanted = "needs" if needed else "has no use for"
+            use = "needs" if needed else "has no use for"
             raise ParameterError(
-                f"{mapping}: {path.name} {wanted} {name}: time is that of CSV files, dbc that of CAN logs"
+                f"{mapping}: {path.name} {use} {name}: time is that of CSV files, dbc that of CAN logs"
             )
     if is_log:
         database = mapping.parent / str(given["dbc"])
