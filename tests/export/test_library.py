@@ -120,3 +120,10 @@ def test_what_is_refused_changes_nothing(content, program):
     assert program.set_parameter(index, high * 1.01) == -3
     assert program.restore(b"\1" * len(before))[0] == -5
     assert program.state == before
+
+
+def test_a_program_that_does_not_end_with_its_input_is_ended(content, command):
+    silent = ["sh", "-c", f"head -c 1 | {command[0]}; exec sleep 30"]  # its identity, and nothing more
+    running = Program(content, silent)
+    running.close()
+    assert running._process.returncode == -9

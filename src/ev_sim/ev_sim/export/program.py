@@ -107,11 +107,15 @@ class Program:
         return answers["outputs"]
 
     def close(self) -> None:
-        """End it."""
+        """End it, by force if it does not end with its input."""
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
                 pipe.close()
-        self._process.wait()
+        try:
+            self._process.wait(1.0)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
 
     def __enter__(self) -> Program:
         return self
