@@ -45,7 +45,7 @@ CHOICES: dict[str, tuple[dict, ...]] = {
         {"reference": "sideslip_limit", "controller": "super_twisting", "allocation": "least_squares", **ALL_DRIVEN},
         {
             "reference": "neutral",
-            "controller": "predictive",
+            "controller": "lqr",
             "allocation": "load",
             "estimation": "estimated",
             **REAR_DRIVEN,
