@@ -79,7 +79,8 @@ def test_every_law_has_choices():
     ("name", "changed"), [(name, changed) for name, choices in CHOICES.items() for changed in ({}, *choices)]
 )
 def test_contract_is_kept(name, changed):
-    check_configuration(configure(ROLE, {"method": name, **NEEDED.get(name, {}), **changed}), steps=FEWER.get(name, STEPS))
+    configuration = configure(ROLE, {"method": name, **NEEDED.get(name, {}), **changed})
+    check_configuration(configuration, steps=FEWER.get(name, STEPS))
 
 
 @pytest.mark.parametrize("name", CHOICES)
