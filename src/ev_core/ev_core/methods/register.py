@@ -48,9 +48,7 @@ class CommonParameters:
     vehicle: Vehicle = group(Vehicle)
 
 
-@cache
-def _installed() -> Any:
-    return metadata.entry_points()
+_installed: Callable[[], Any] = cache(metadata.entry_points)
 
 
 def entry_points(**wanted: str) -> Iterable[metadata.EntryPoint]:
