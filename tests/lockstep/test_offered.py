@@ -20,7 +20,7 @@ GROUP = "ev_stack.reports"
 def offer(monkeypatch):
     """Entry points as if another package had brought them."""
     real, own = module.entry_points, []
-    monkeypatch.setattr(module, "entry_points", lambda group: [*real(group=group), *own])
+    monkeypatch.setattr(module, "entry_points", lambda **wanted: [*real(**wanted), *(own if wanted == {"group": GROUP} else ())])
 
     def offer(name: str, value: str) -> None:
         own.append(EntryPoint(name, value, GROUP))
