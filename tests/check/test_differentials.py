@@ -15,6 +15,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 pytestmark = pytest.mark.slow
 
 STEPS = 200
+FEWER = {"direct_yaw_moment": 40}  # in plain Python a step of its optimiser takes a tenth of a second
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": list(REAR)}
 NEEDED = {"axle_redistribution": ALL_DRIVEN, "slip_target": REAR_DRIVEN, "wheel_speed": REAR_DRIVEN}
@@ -78,7 +79,8 @@ def test_every_law_has_choices():
     ("name", "changed"), [(name, changed) for name, choices in CHOICES.items() for changed in ({}, *choices)]
 )
 def test_contract_is_kept(name, changed):
-    check_configuration(configure(ROLE, {"method": name, **NEEDED.get(name, {}), **changed}), steps=STEPS)
+    configuration = configure(ROLE, {"method": name, **NEEDED.get(name, {}), **changed})
+    check_configuration(configuration, steps=FEWER.get(name, STEPS))
 
 
 @pytest.mark.parametrize("name", CHOICES)

@@ -20,7 +20,11 @@ GROUP = "ev_stack.reports"
 def offer(monkeypatch):
     """Entry points as if another package had brought them."""
     real, own = module.entry_points, []
-    monkeypatch.setattr(module, "entry_points", lambda group: [*real(group=group), *own])
+
+    def found(**wanted: str) -> list[EntryPoint]:
+        return [*real(**wanted), *(own if wanted == {"group": GROUP} else ())]
+
+    monkeypatch.setattr(module, "entry_points", found)
 
     def offer(name: str, value: str) -> None:
         own.append(EntryPoint(name, value, GROUP))

@@ -31,7 +31,7 @@ CUT = {
     ("steady_circle", "friction"): 15.0,
     ("steady_circle", "constant_radius_linear"): 15.0,
     ("steady_circle", "constant_radius_friction"): 50.0,
-    ("coast_down", "coast_down"): 3.0,
+    ("coast_down", "coast_down"): 1.0,
 }
 
 

@@ -144,7 +144,7 @@ def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, networ
     def is_enough() -> bool:
         """Whether what would go on can be stopped."""
         if words == BENCH and insiders:
-            return log.exists() and "124#" in log.read_text()
+            return log.exists() and " 124#" in log.read_text()
         return words in (HUB, BENCH) and len(under_way.seen) >= least
 
     is_stopped = False

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from importlib import import_module
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -20,7 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 from rosidl_generator_py.import_type_support_impl import UnsupportedTypeSupport
 
-from ev_core.methods.register import NODES
+from ev_core.methods.register import NODES, entry_points
 from ev_core.nodes import ros_parameters
 from ev_core.nodes.master.node import MasterNode
 from ev_core.nodes.spinning import spin

@@ -249,9 +249,9 @@ def _told(vehicle: str) -> dict[str, object]:
 
 ANY = {"equal_torque"}
 ALL_OWN = {
-    *("adaptive", "adhesion_share", "axle_redistribution", "drive_by_wire", "equal_torque", "limited_slip"),
-    *("limited_slip_variable", "load_proportional", "open_differential", "power_steering", "steer_by_wire"),
-    "steering_correction",
+    *("adaptive", "adhesion_share", "axle_redistribution", "direct_yaw_moment", "drive_by_wire", "equal_torque"),
+    *("limited_slip", "limited_slip_variable", "load_proportional", "open_differential", "power_steering"),
+    *("steer_by_wire", "steering_correction"),
 }
 
 
