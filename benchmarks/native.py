@@ -24,21 +24,20 @@ from ev_sim.export.targets import OPTIONS, TARGETS
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 SCENARIOS = ("shchur2019", "double_lane_change")
-NAME = "model"
-_DRIVE = f"""#include "{NAME}.h"
-static {NAME} it;
+_DRIVE = """#include "evs_model.h"
+static evs_model it;
 int32_t drive(int64_t steps)
-{{
-    int32_t status = {NAME}_create(&it);
-    while (steps-- > 0 && !status) status = {NAME}_step(&it);
+{
+    int32_t status = evs_model_create(&it);
+    while (steps-- > 0 && !status) status = evs_model_step(&it);
     return status;
-}}
+}
 """
 
 
 def exported(run: Run, steps: int, folder: Path) -> Callable[[], None]:
     """Drives the exported library from rest."""
-    library, target = Library(Content(run), NAME), TARGETS["x86_64-linux"]
+    library, target = Library(Content(run), "model"), TARGETS["x86_64-linux"]
     objects = library.objects(target, folder)
     sources = library.write(folder, target, ["model.h", "constants.h", "model.c"])
     (folder / "drive.c").write_text(_DRIVE)

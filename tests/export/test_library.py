@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ev_msgs_py.contract import stamps
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.export import program as exported
 from ev_sim.export.content import Content
 from ev_sim.export.program import Program, build_program
 from ev_sim.export.targets import TARGETS
@@ -114,12 +117,27 @@ def test_a_state_goes_on_to_the_bit(content, command, program):
 def test_what_is_refused_changes_nothing(content, program):
     before, tunables = program.state, [tunable for part in content.parts for tunable in part.tunables]
     index, high = next((n, tunable.high) for n, tunable in enumerate(tunables) if math.isfinite(tunable.high))
-    assert program.step([math.nan, *given(content, 0)[1:]])[0] == -2
+    assert program.step([*given(content, 0)[:-1], math.nan])[0] == -2
     assert program.set_parameter(0, math.inf) == -2
     assert program.set_parameter(10_000, 1.0) == -1
     assert program.set_parameter(index, high * 1.01) == -3
     assert program.restore(b"\1" * len(before))[0] == -5
     assert program.state == before
+
+
+def test_a_program_that_is_refused_is_ended(content, tmp_path, monkeypatch):
+    monkeypatch.setattr(exported, "PATIENCE", 0.2)
+    with pytest.raises(ParameterError, match=r"no answer within 0\.2 s"):
+        Program(content, ["sh", "-c", f"echo $$ > {tmp_path}/id; exec sleep 1000"])
+    assert not Path(f"/proc/{int((tmp_path / 'id').read_text())}").exists()
+
+
+def test_a_request_that_is_not_read_has_a_limit(content, command, monkeypatch):
+    """It is longer than a pipe is, and the program reads no further than its identity."""
+    with Program(content, ["sh", "-c", f"head -c 1 | {command[0]}; exec sleep 1000"]) as deaf:
+        monkeypatch.setattr(exported, "PATIENCE", 0.2)
+        with pytest.raises(ParameterError, match=r"no answer within 0\.2 s"):
+            deaf.drive(1 << 20)
 
 
 def test_a_program_that_does_not_end_with_its_input_is_ended(content, command):

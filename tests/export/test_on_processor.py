@@ -42,6 +42,9 @@ def test_the_signals_are_those_of_the_plain_run(processor):
     ("faults", "role", "where", "line"),
     [
         ((), "plant", "arm", "plant is refused, allowed are roles that answer"),
+        ((), "driver", "'un", 'processor "\'un" is refused: no closing quotation'),
+        ((), "driver", " ", "processor ' ' is refused, allowed is the command of a program"),
+        ((), "driver", "''", "processor \"''\" is refused, allowed is the command of a program"),
         ((), "pilot", "arm", "unknown role 'pilot'"),
         (("restarted driver.command from 0.1 until 0.2",), "driver", "arm", "has a fault `restarted`"),
     ],

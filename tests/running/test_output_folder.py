@@ -322,3 +322,13 @@ def test_a_name_that_is_taken_meanwhile_is_not_replaced(tmp_path):
         ours.write(b"ours")
         file.write_bytes(b"of somebody else")
     assert file.read_bytes() == b"of somebody else" and list(tmp_path.iterdir()) == [file]
+
+
+@pytest.mark.parametrize("holds", [(), ("mine",)])
+def test_a_folder_in_the_place_of_a_file_is_refused_and_nothing_is_left_beside_it(holds, tmp_path):
+    (tmp_path / "car.fmu").mkdir()
+    for name in holds:
+        (tmp_path / "car.fmu" / name).touch()
+    with pytest.raises(ParameterError, match=r"car\.fmu there is a folder, allowed is another folder"):
+        OutputFolder(tmp_path, "fmu car.fmu", ["car.fmu"])
+    assert [path.name for path in tmp_path.iterdir()] == ["car.fmu"]

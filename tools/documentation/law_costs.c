@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "model.h"
+#include "evs_model.h"
 
 enum { PAINTED = 1 << 18 };
 
@@ -25,19 +25,19 @@ static __attribute__((noinline)) uint32_t stack(int is_painted)
 int main(int count, char **words)
 {
     if (count != 3) return 1;
-    static model it;
-    size_t rows = (size_t)atol(words[1]), width = MODEL_INPUTS;
+    static evs_model it;
+    size_t rows = (size_t)atol(words[1]), width = EVS_MODEL_INPUTS;
     int answers = strcmp(words[2], "nothing"), is_measured = !strcmp(words[2], "stack");
-    double *inputs = malloc(rows * width * sizeof(double)), *outputs = malloc(rows * MODEL_OUTPUTS * sizeof(double));
-    if (!inputs || !outputs || fread(inputs, width * sizeof(double), rows, stdin) != rows || model_create(&it)) return 2;
+    double *inputs = malloc(rows * width * sizeof(double)), *outputs = malloc(rows * EVS_MODEL_OUTPUTS * sizeof(double));
+    if (!inputs || !outputs || fread(inputs, width * sizeof(double), rows, stdin) != rows || evs_model_create(&it)) return 2;
     if (is_measured) stack(1);
     for (size_t n = 0; n < rows; n++) {
-        for (size_t i = 0; i < width; i++) model_set_input(&it, (int32_t)i, inputs[n * width + i]);
-        if (answers && model_step(&it)) return 3;
-        for (size_t i = 0; i < MODEL_OUTPUTS; i++) outputs[n * MODEL_OUTPUTS + i] = model_output(&it, (int32_t)i);
+        for (size_t i = 0; i < width; i++) evs_model_set_input(&it, (int32_t)i, inputs[n * width + i]);
+        if (answers && evs_model_step(&it)) return 3;
+        for (size_t i = 0; i < EVS_MODEL_OUTPUTS; i++) outputs[n * EVS_MODEL_OUTPUTS + i] = evs_model_output(&it, (int32_t)i);
     }
     uint32_t used = is_measured ? stack(0) : 0;
-    fwrite(outputs, MODEL_OUTPUTS * sizeof(double), rows, stdout);
+    fwrite(outputs, EVS_MODEL_OUTPUTS * sizeof(double), rows, stdout);
     fwrite(&used, sizeof used, 1, stdout);
     return 0;
 }

@@ -16,7 +16,7 @@
 
 #include "channel.h"
 #include "ev_bench.h"
-#include "law.h"
+#include "evs_law.h"
 
 #define RPM (3.14159265358979323846 / 30.0) /* in rad/s */
 #define GEAR_RATIO 7.4                      /* motor to wheel, as in inverter_gateway.gear_ratio */
@@ -106,7 +106,7 @@ static int send_set_point(drive_t *it, uint32_t identifier, uint8_t controlword,
     return channel_send(&it->channel, &frame);
 }
 
-static int32_t index_of(const law_entry *entries, const char *name)
+static int32_t index_of(const evs_law_entry *entries, const char *name)
 {
     for (int32_t i = 0; entries[i].name; i++)
         if (!strcmp(entries[i].name, name)) return i;
@@ -114,16 +114,16 @@ static int32_t index_of(const law_entry *entries, const char *name)
     exit(1);
 }
 
-static law law_here;
+static evs_law law_here;
 static int32_t pedal_input, speed_input[DRIVES], torque_output[DRIVES];
 
 static void begin_law(void)
 {
-    law_create(&law_here);
-    pedal_input = index_of(law_inputs, "driver.command.drive_torque");
+    evs_law_create(&law_here);
+    pedal_input = index_of(evs_law_inputs, "driver.command.drive_torque");
     for (int k = 0; k < DRIVES; k++) {
-        speed_input[k] = index_of(law_inputs, wired[k].speed);
-        torque_output[k] = index_of(law_outputs, wired[k].torque);
+        speed_input[k] = index_of(evs_law_inputs, wired[k].speed);
+        torque_output[k] = index_of(evs_law_outputs, wired[k].torque);
     }
 }
 
@@ -131,15 +131,15 @@ static void begin_law(void)
 static int step_law(drive_t drives[DRIVES], double pedal)
 {
     double speed[DRIVES], torque[DRIVES];
-    law_set_input(&law_here, pedal_input, pedal);
+    evs_law_set_input(&law_here, pedal_input, pedal);
     for (int k = 0; k < DRIVES; k++) {
         speed[k] = drives[k].speed / GEAR_RATIO;
-        law_set_input(&law_here, speed_input[k], speed[k]);
+        evs_law_set_input(&law_here, speed_input[k], speed[k]);
     }
-    int32_t status = law_step(&law_here);
-    if (status) return fprintf(stderr, "ecu: %s\n", law_message(status)), 0;
+    int32_t status = evs_law_step(&law_here);
+    if (status) return fprintf(stderr, "ecu: %s\n", evs_law_message(status)), 0;
     for (int k = 0; k < DRIVES; k++) {
-        torque[k] = law_output(&law_here, torque_output[k]);
+        torque[k] = evs_law_output(&law_here, torque_output[k]);
         drives[k].set_point = torque[k] / GEAR_RATIO;
     }
     printf("%.17g %.17g %.17g %.17g\n", speed[LEFT], speed[RIGHT], torque[LEFT], torque[RIGHT]);
@@ -178,7 +178,7 @@ static int cycle(drive_t drives[DRIVES], double pedal, int passed, int timeout, 
     until_step -= passed;
     if (*all_enabled && is_well && until_step <= 0) {
         is_well = step_law(drives, pedal);
-        until_step = (int)(LAW_PERIOD_NS / CYCLE_NS);
+        until_step = (int)(EVS_LAW_PERIOD_NS / CYCLE_NS);
     }
     for (int k = 0; k < DRIVES; k++) {
         double torque = are_enabled && is_well ? drives[k].set_point : 0.0;

@@ -90,7 +90,7 @@ def export_library(argv: list[str]) -> None:
 
     parser = _of_export("export", "a car or its laws as a C library")
     parser.add_argument("--target", required=True, metavar="TARGET", help=", ".join(TARGETS))
-    parser.add_argument("--name", default="", help="what names in C begin with; default: run and roles")
+    parser.add_argument("--name", default="", help="names in C begin with evs_NAME; default: run and roles")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the files shall be")
     given = parser.parse_args(argv)
     try:

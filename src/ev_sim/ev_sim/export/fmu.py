@@ -98,7 +98,7 @@ def _binary(library: Library, fmi: int, target: Target, folder: Path) -> Path:
     objects = library.objects(target, folder)
     templates = ["model.h", "constants.h", "fmu.h", "model.c", f"fmi{fmi}.c"]
     sources = library.write(folder, target, templates, token=_token(library))
-    made = folder / Path(place(library.name, fmi, target.name)).name
+    made = folder / Path(place(library.given_name, fmi, target.name)).name
     return target.program([*objects, *sources[3:]], made, (*_OPTIONS, *_OPTIONS_OF[target.system]))
 
 

@@ -23,6 +23,7 @@ from ev_sim.recording.recording import atomic_file
 from ev_sim.running.output_folder import OutputFolder
 
 _PER_LINE = 8  # constants
+_PREFIX = "evs_"  # of names in C and of files, which could else be words of C, of libraries or of the templates
 _OF_LINKER = "_GLOBAL_OFFSET_TABLE_"  # no function: the linker makes it
 
 
@@ -45,12 +46,12 @@ class Entry(NamedTuple):
 
 
 class Library:
-    """The C text of an export under a name; ParameterError if it is none in C."""
+    """The C text of an export under a given name, which gets a prefix in C; ParameterError if it is none in C."""
 
     def __init__(self, content: Content, name: str) -> None:
         if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
             raise ParameterError(f"name {quoted(name)} is refused, allowed is one of a function in C")
-        self.content, self.name = content, name
+        self.content, self.given_name, self.name = content, name, _PREFIX + name
         self.places: list[Place] = []
         state = constants = 0
         for part in content.parts:
@@ -101,6 +102,7 @@ class Library:
     def _given(self, target: Target) -> dict[str, Any]:
         return {
             "name": self.name,
+            "given_name": self.given_name,
             "upper": self.name.upper(),
             "about": self.about,
             "id": f"0x{self.content.digest[:16]}",
@@ -159,7 +161,7 @@ def write_library(content: Content, name: str, target: Target, directory: Path) 
         called = {each for file in (*objects, loop) for each in calls(file.read_bytes())} - {*library.codes, _OF_LINKER}
         if foreign := sorted(called - target.processor.may_call):
             raise ParameterError(f"target {target.name}: the loop calls {', '.join(foreign)}, which is not everywhere")
-        archive = target.archive([*objects, loop], folder / f"lib{name}.a")
+        archive = target.archive([*objects, loop], folder / f"lib{library.name}.a")
         more = {
             "version": version("ev_sim"),
             "called": sorted(called) or ["nothing"],

@@ -17,7 +17,7 @@ from ev_core.methods.register import Method
 from ev_msgs_py.contract.fields import SignalError, shape_of
 from ev_msgs_py.contract.frame import PLACES, Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
-from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.export.content import Content
 from ev_sim.export.program import Program, build_program
 from ev_sim.export.targets import TARGETS, target_of
@@ -31,7 +31,7 @@ class OnProcessor:
     """Makes the parts of a role that runs as a program: on a processor of `EMULATED`, or by a command.
 
     Sensors and faults of the role stay here, behind the program. ParameterError, in one line, for a role that
-    integrates, one that a fault restarts, and a processor that cannot be emulated.
+    integrates, one that a fault restarts, a processor that cannot be emulated, and a command that is none.
     """
 
     def __init__(self, run: Run, role: str, where: str) -> None:
@@ -44,7 +44,7 @@ class OnProcessor:
             raise ParameterError(f"processor: {role} has a fault `restarted`, which a program elsewhere cannot have")
         method = configuration.method
         self.writes, self.requires, self.mirrored = method.writes, method.requires, method.mirrored
-        self.role, self.where = role, where
+        self.role, self.where, self._words = role, where, _words(where)
         self.content = Content(run, only=[role], bare=True)
         if where in EMULATED:
             target = target_of(EMULATED[where])
@@ -57,7 +57,7 @@ class OnProcessor:
     def command(self) -> list[str]:
         """The words that start the program, which is built for an emulated processor."""
         if self.where not in EMULATED:
-            return shlex.split(self.where)
+            return self._words
         self._folder = tempfile.TemporaryDirectory()
         return build_program(self.content, TARGETS[EMULATED[self.where]], Path(self._folder.name))
 
@@ -75,6 +75,17 @@ class OnProcessor:
         took = self._part.program.measured
         per_step = took.nanoseconds / max(took.steps, 1) / 1000.0
         return f"{self.role} on {self.where}: {took.steps} steps of {per_step:.3g} us, {took.stack} bytes of stack"
+
+
+def _words(command: str) -> list[str]:
+    """Of a command; ParameterError for an empty one and an open quotation mark."""
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise ParameterError(f"processor {quoted(command)} is refused: {str(error).lower()}") from None
+    if not words or not words[0]:
+        raise ParameterError(f"processor {quoted(command)} is refused, allowed is the command of a program")
+    return words
 
 
 class ProcessorPart(CalledBack):

@@ -10,6 +10,7 @@ import select
 import struct
 import subprocess
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple
@@ -24,7 +25,7 @@ from ev_sim.export.targets import Target
 _OPTIONS = ("-std=gnu99", "-O2", "-ffp-contract=off")
 _NAME = "model"
 PATIENCE = 60.0  # s, with a program that does not answer
-_AT_ONCE = 1000  # steps, whose requests fit into a pipe while the program waits for its answers to be read
+_AT_ONCE = 65536  # bytes that are read or written
 _IDENTITY, _STATUS, _MEASURED = struct.Struct("<Q3I"), struct.Struct("<i"), struct.Struct("<QQI")
 
 
@@ -56,12 +57,17 @@ class Program:
         self._inputs = struct.Struct(f"<{len(content.inputs)}d")
         self._outputs = struct.Struct(f"<i{len(content.outputs)}d")
         try:
-            self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-        except OSError as error:
-            raise self._refused(error.strerror or "it does not start") from None
-        identity, *_, self._state_size = _IDENTITY.unpack(self._asked(b"i", _IDENTITY.size))
-        if identity != int(content.digest[:16], 16):
-            raise self._refused("it is that of another export: make it anew")
+            self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0)
+        except (OSError, ValueError) as error:
+            raise self._refused(getattr(error, "strerror", "") or "it does not start") from None
+        with ExitStack() as unless_ours:
+            unless_ours.callback(self.close)
+            assert self._process.stdin is not None
+            os.set_blocking(self._process.stdin.fileno(), False)
+            identity, *_, self._state_size = _IDENTITY.unpack(self._asked(b"i", _IDENTITY.size))
+            if identity != int(content.digest[:16], 16):
+                raise self._refused("it is that of another export: make it anew")
+            unless_ours.pop_all()
 
     def create(self) -> tuple[int, list[float]]:
         """At rest; status and outputs, as of all that follow."""
@@ -97,11 +103,7 @@ class Program:
     def drive(self, steps: int) -> np.ndarray:
         """The outputs of a run without inputs from its start on, (steps + 1, outputs); ParameterError if one stops."""
         kind = np.dtype([("status", "<i4"), ("outputs", "<f8", (len(self._content.outputs),))])
-        rows = [self._asked(b"c", kind.itemsize)]
-        for begin in range(0, steps, _AT_ONCE):
-            count = min(_AT_ONCE, steps - begin)
-            rows.append(self._asked(b"s" * count, count * kind.itemsize))
-        answers = np.frombuffer(b"".join(rows), kind)
+        answers = np.frombuffer(self._asked(b"c" + b"s" * steps, (steps + 1) * kind.itemsize), kind)
         for n in np.flatnonzero(answers["status"]):
             raise self._refused(f"status {answers['status'][n]} in step {n}")
         return answers["outputs"]
@@ -131,19 +133,22 @@ class Program:
         to, by = self._process.stdin, self._process.stdout
         assert to is not None
         assert by is not None
-        answer = bytearray()
+        rest, answer = memoryview(request), bytearray()
         try:
-            to.write(request)
-            to.flush()
-            while len(answer) < size:
-                if not select.select([by], [], [], PATIENCE)[0]:
+            while rest or len(answer) < size:
+                awaited = ([by] if len(answer) < size else [], [to] if rest else [], [])
+                readable, writable, _ = select.select(*awaited, PATIENCE)
+                if not (readable or writable):
                     raise self._refused(f"no answer within {PATIENCE:g} s")
-                if not (more := os.read(by.fileno(), size - len(answer))):
-                    break
-                answer += more
+                if writable:
+                    rest = rest[os.write(to.fileno(), rest[:_AT_ONCE]) :]
+                if readable:
+                    if not (more := os.read(by.fileno(), min(size - len(answer), _AT_ONCE))):
+                        break
+                    answer += more
         except OSError:
             pass
-        if len(answer) < size:
+        if rest or len(answer) < size:
             raise self._refused("it has ended, or does not know the protocol of here")
         return bytes(answer)
 

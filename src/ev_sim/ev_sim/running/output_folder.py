@@ -230,8 +230,8 @@ class OutputFolder:
 
     def _refuse_what_is_in_the_way(self, claims: Iterable[str], mine: set[str]) -> None:
         """ParameterError if a name is taken by what is not `mine`, or its folder, which is ours alone, holds such."""
-        places = set()
-        for pattern in claims:
+        files, places = [*claims], set()
+        for pattern in files:
             if not stays_within(pattern):
                 raise ParameterError(
                     f"{self._given}: {quoted(pattern)} is refused, allowed is the name of a file there"
@@ -240,6 +240,8 @@ class OutputFolder:
             places.add(pattern if folder in self._shared else folder)
         for place in sorted(places):
             for name in there(self.directory, place):
+                if place in files and is_folder(self.directory / name):
+                    raise self._refused(name, "is a folder")
                 for each in content(self.directory, name):
                     if each not in mine:
                         raise self._refused(name, self._whose(each))

@@ -52,8 +52,7 @@ EXPORTED void fmi2FreeInstance(unit *it) { free(it); }
 
 EXPORTED int fmi2SetupExperiment(unit *it, int, double, double start, int, double)
 {
-    it->state.start = start;
-    return OK;
+    return set_start(it, start);
 }
 
 EXPORTED int fmi2EnterInitializationMode(unit *it) { return begin(it); }

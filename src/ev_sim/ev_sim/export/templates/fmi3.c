@@ -54,8 +54,8 @@ EXPORTED void fmi3FreeInstance(unit *it) { free(it); }
 
 EXPORTED int fmi3EnterInitializationMode(unit *it, bool, double, double start, bool, double)
 {
-    it->state.start = start;
-    return begin(it);
+    int status = set_start(it, start);
+    return status == OK ? begin(it) : status;
 }
 
 EXPORTED int fmi3ExitInitializationMode(unit *it) { return begin(it); }

@@ -35,6 +35,7 @@ static unit_state *state_of(unit *it);
 static int logged(unit *it, int status, const char *line); /* returns the status */
 
 static const double period = {{ upper }}_PERIOD_NS / 1e9;
+static const double most_periods = 1e6; /* of one step: more would seem to hang */
 
 static double time_of(unit *it) { return state_of(it)->start + {{ name }}_time(&state_of(it)->model); }
 
@@ -71,28 +72,42 @@ static int get(unit *it, const uint32_t references[], size_t count, double value
     return OK;
 }
 
-static int set_one(unit *it, uint32_t reference, double value)
+static int checked(unit *it, uint32_t reference, double value)
 {
-    {{ name }} *model = &state_of(it)->model;
     if (reference >= FIRST_INPUT && reference < FIRST_OUTPUT) {
-        int32_t index = (int32_t)(reference - FIRST_INPUT), status = {{ name }}_set_input(model, index, value);
+        int32_t index = (int32_t)(reference - FIRST_INPUT), status = {{ name }}_check_input(index, value);
         return status ? refused(it, "input", {{ name }}_inputs[index].name, {{ name }}_message(status)) : OK;
     }
     if (reference >= FIRST_PARAMETER && reference < REFERENCES) {
-        int32_t index = (int32_t)(reference - FIRST_PARAMETER), status = {{ name }}_set_parameter(model, index, value);
+        int32_t index = (int32_t)(reference - FIRST_PARAMETER), status = {{ name }}_check_parameter(index, value);
         return status ? refused(it, "parameter", {{ name }}_parameters[index].name, {{ name }}_message(status)) : OK;
     }
     return logged(it, ERROR, "only inputs and parameters can be set");
 }
 
+/* All values or none. */
 static int set(unit *it, const uint32_t references[], size_t count, const double values[])
 {
+    {{ name }} *model = &state_of(it)->model;
     int status = OK;
     for (size_t i = 0; i < count; i++) {
-        int of_one = set_one(it, references[i], values[i]);
+        int of_one = checked(it, references[i], values[i]);
         if (of_one > status) status = of_one;
     }
+    for (size_t i = 0; i < count && status == OK; i++) {
+        if (references[i] < FIRST_OUTPUT) {{ name }}_set_input(model, (int32_t)(references[i] - FIRST_INPUT), values[i]);
+        else {{ name }}_set_parameter(model, (int32_t)(references[i] - FIRST_PARAMETER), values[i]);
+    }
     return status;
+}
+
+/* Not finite, or so large that time would stand still. */
+static int set_start(unit *it, double start)
+{
+    char line[300];
+    if (start + period > start) return state_of(it)->start = start, OK;
+    snprintf(line, sizeof line, "start time %g s is refused, allowed is one to which %g s can be added", start, period);
+    return logged(it, ERROR, line);
 }
 
 /* At rest, with the parameters and inputs that were set before: when initialization begins and when it ends. */
@@ -115,8 +130,9 @@ static int step(unit *it, double time, double size)
         snprintf(line, sizeof line, "a step from %.9g s is refused, the state is that of %.9g s", time, time_of(it));
         return logged(it, DISCARD, line);
     }
-    if (!(periods >= 1.0 && fabs(size - periods * period) < 1e-6 * period)) {
-        snprintf(line, sizeof line, "step size %g s is refused, allowed is %g s or a multiple of it", size, period);
+    if (!(periods >= 1.0 && periods <= most_periods && fabs(size - periods * period) < 1e-6 * period)) {
+        snprintf(line, sizeof line, "step size %g s is refused, allowed is %g s or a multiple of it up to %g s", size, period,
+                 most_periods * period);
         return logged(it, DISCARD, line);
     }
     int32_t status = 0;
@@ -134,6 +150,7 @@ static int keep(unit *it, void **kept)
 static int restore(unit *it, const void *kept)
 {
     const unit_state *from = kept;
+    if (!from) return logged(it, ERROR, "there is no state");
     int32_t status = {{ name }}_restore(&state_of(it)->model, &from->model);
     if (status) return logged(it, ERROR, {{ name }}_message(status));
     state_of(it)->start = from->start;
@@ -149,6 +166,7 @@ static int forget(void **kept)
 
 static int as_bytes(unit *it, const void *kept, uint8_t bytes[], size_t size)
 {
+    if (!kept) return logged(it, ERROR, "there is no state");
     if (size < sizeof(unit_state)) return logged(it, ERROR, "there are too few bytes for the state");
     memcpy(bytes, kept, sizeof(unit_state));
     return OK;

@@ -126,12 +126,17 @@ int32_t {{ name }}_reset({{ name }} *it, uint32_t seed)
     return start(it);
 }
 
-int32_t {{ name }}_set_input({{ name }} *it, int32_t index, double value)
+int32_t {{ name }}_check_input(int32_t index, double value)
 {
     if (index < 0 || index >= {{ upper }}_INPUTS) return {{ upper }}_NO_SUCH_INDEX;
-    if (!is_finite(value)) return {{ upper }}_NOT_FINITE;
-    frame_of(it, it->instant)[{{ name }}_inputs[index].place] = value;
-    return 0;
+    return is_finite(value) ? 0 : {{ upper }}_NOT_FINITE;
+}
+
+int32_t {{ name }}_set_input({{ name }} *it, int32_t index, double value)
+{
+    int32_t status = {{ name }}_check_input(index, value);
+    if (!status) frame_of(it, it->instant)[{{ name }}_inputs[index].place] = value;
+    return status;
 }
 
 double {{ name }}_input(const {{ name }} *it, int32_t index)
@@ -139,14 +144,19 @@ double {{ name }}_input(const {{ name }} *it, int32_t index)
     return index < 0 || index >= {{ upper }}_INPUTS ? (double)NAN : it->frame[it->instant & 1][{{ name }}_inputs[index].place];
 }
 
-int32_t {{ name }}_set_parameter({{ name }} *it, int32_t index, double value)
+int32_t {{ name }}_check_parameter(int32_t index, double value)
 {
     if (index < 0 || index >= {{ upper }}_PARAMETERS) return {{ upper }}_NO_SUCH_INDEX;
     if (!is_finite(value)) return {{ upper }}_NOT_FINITE;
     const {{ name }}_entry *entry = &{{ name }}_parameters[index];
-    if (value < entry->low || value > entry->high) return {{ upper }}_OUT_OF_RANGE;
-    it->constants[entry->place] = value;
-    return 0;
+    return value < entry->low || value > entry->high ? {{ upper }}_OUT_OF_RANGE : 0;
+}
+
+int32_t {{ name }}_set_parameter({{ name }} *it, int32_t index, double value)
+{
+    int32_t status = {{ name }}_check_parameter(index, value);
+    if (!status) it->constants[{{ name }}_parameters[index].place] = value;
+    return status;
 }
 
 double {{ name }}_parameter(const {{ name }} *it, int32_t index)

@@ -59,6 +59,11 @@ int32_t {{ name }}_reset({{ name }} *it, uint32_t seed);
 /* An input is held until it is set again; one that is not finite is refused, and nothing changes. */
 int32_t {{ name }}_set_input({{ name }} *it, int32_t index, double value);
 int32_t {{ name }}_set_parameter({{ name }} *it, int32_t index, double value);
+
+/* The status of such a call, by which a caller takes all of several values or none. */
+int32_t {{ name }}_check_input(int32_t index, double value);
+int32_t {{ name }}_check_parameter(int32_t index, double value);
+
 double {{ name }}_input(const {{ name }} *it, int32_t index); /* NaN for another index, here and below */
 double {{ name }}_parameter(const {{ name }} *it, int32_t index);
 double {{ name }}_output(const {{ name }} *it, int32_t index);

@@ -4,7 +4,7 @@
  *     i  -> u64 id, u32 inputs, u32 outputs, u32 bytes of the state       what it is
  *     c  -> i32 status, outputs                                           create
  *     r  u32 seed -> i32 status, outputs                                  reset
- *     s  inputs -> i32 status, outputs                                    step; inputs and outputs are float64
+ *     s  inputs -> i32 status, outputs                                    step; float64; all inputs are taken or none
  *     p  u32 index, f64 value -> i32 status                               set a parameter
  *     g  -> state                                                         give the state
  *     t  state -> i32 status, outputs                                     take a state
@@ -75,7 +75,8 @@ int main(void)
             break;
         case 's':
             if ({{ upper }}_INPUTS && !get(inputs, {{ upper }}_INPUTS * sizeof(double))) return 0;
-            for (int32_t i = 0; i < {{ upper }}_INPUTS && !status; i++) status = {{ name }}_set_input(&it, i, inputs[i]);
+            for (int32_t i = 0; i < {{ upper }}_INPUTS && !status; i++) status = {{ name }}_check_input(i, inputs[i]);
+            for (int32_t i = 0; i < {{ upper }}_INPUTS && !status; i++) {{ name }}_set_input(&it, i, inputs[i]);
             uint64_t begin = clock_ns();
             if (!status) status = {{ name }}_step(&it);
             taken[0] += clock_ns() - begin;
