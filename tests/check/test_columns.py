@@ -49,6 +49,7 @@ def test_choices(choice):
 
 
 @pytest.mark.parametrize("scenario", scenario_names())
+@pytest.mark.sampled
 def test_scenarios(scenario):
     for seed, configuration in enumerate(configurations_in(scenario, "steering_column")):
         check_configuration(configuration, steps=100, seeds=[seed])

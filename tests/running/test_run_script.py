@@ -75,6 +75,7 @@ def offline(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("loop", ["1", "0"], ids=["compiled loop", "loop in Python"])
 @pytest.mark.parametrize("way", [(), ("--in-process",)], ids=["dds", "one"])
+@pytest.mark.sampled
 def test_every_way_of_running_gives_the_same_signals(
     way: tuple[str, ...], loop: str, offline: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
