@@ -19,18 +19,22 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Declare the mark."""
-    config.addinivalue_line("markers", f"sampled: of many cases the first, middle and last one; with {ALL} every one")
+    """Declare the marks."""
+    for mark in (
+        f"sampled: of many cases the first, middle and last one; with {ALL} every one",
+        f"weekly: a long test of what others show in part, with {ALL} alone",
+    ):
+        config.addinivalue_line("markers", mark)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out cases of sampled tests. The long form of a property test takes as long as it takes."""
+    """Leave out what is not asked for. The long form of a property test takes as long as it takes."""
     if "EV_CASES" in os.environ:
         for item in items:
             item.add_marker(pytest.mark.timeout(0))
-    if config.getoption(ALL):
+    if config.getoption(ALL) or any("::" in word for word in config.args):
         return
-    left_out: set[pytest.Item] = set()
+    left_out = {item for item in items if item.get_closest_marker("weekly")}
     for _, cases in groupby(items, lambda item: item.nodeid.partition("[")[0]):
         several = list(cases)
         if len(several) > 3 and several[0].get_closest_marker("sampled"):

@@ -44,6 +44,7 @@ CHOICES = {
 
 
 @pytest.mark.parametrize("choice", CHOICES)
+@pytest.mark.sampled
 def test_choices(choice):
     check_configuration(configure("steering_column", CHOICES[choice]), steps=300)
 

@@ -163,7 +163,7 @@ def test_another_file_than_the_lock_names_is_refused_and_nothing_is_left_behind(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("kind", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.weekly)])
 def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
     """In the middle of building, by Ctrl-C and without a last word; what was installed is not installed again."""
     process = checkout.start(BUILD_TIME="600")
