@@ -44,11 +44,13 @@ CHOICES = {
 
 
 @pytest.mark.parametrize("choice", CHOICES)
+@pytest.mark.sampled
 def test_choices(choice):
     check_configuration(configure("steering_column", CHOICES[choice]), steps=300)
 
 
 @pytest.mark.parametrize("scenario", scenario_names())
+@pytest.mark.sampled
 def test_scenarios(scenario):
     for seed, configuration in enumerate(configurations_in(scenario, "steering_column")):
         check_configuration(configuration, steps=100, seeds=[seed])

@@ -14,7 +14,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 pytestmark = pytest.mark.slow
 
-STEPS = 200
+STEPS = 100
 FEWER = {"direct_yaw_moment": 40}  # in plain Python a step of its optimiser takes a tenth of a second
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": list(REAR)}

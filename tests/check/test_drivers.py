@@ -84,6 +84,7 @@ def test_choices(choice):
 
 
 @pytest.mark.parametrize("scenario", scenario_names())
+@pytest.mark.sampled
 def test_scenarios(scenario):
     for seed, configuration in enumerate(configurations_in(scenario, "driver")):
         check_configuration(slow(configuration), steps=200, seeds=[seed])

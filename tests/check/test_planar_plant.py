@@ -51,6 +51,7 @@ CHOICES = {
 
 
 @pytest.mark.parametrize("choice", CHOICES)
+@pytest.mark.sampled
 def test_choices(choice):
     """What is drawn at random for each side of the road has no mirror image."""
     configuration = configure("plant", {"method": "planar", **CHOICES[choice]})

@@ -163,7 +163,7 @@ def test_another_file_than_the_lock_names_is_refused_and_nothing_is_left_behind(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("kind", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.weekly)])
 def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
     """In the middle of building, by Ctrl-C and without a last word; what was installed is not installed again."""
     process = checkout.start(BUILD_TIME="600")
@@ -192,6 +192,7 @@ def test_two_calls_at_once_set_up_once(checkout):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("distribution", ["jazzy", "kilted", "lyrical", "rolling"])
+@pytest.mark.sampled
 def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, checkout, tmp_path):
     """Not ROS, and numpy as the distribution has it; by pip, for uv does not see what the distribution has."""
     (tmp_path / "ros2").write_text("#!/bin/sh\n")

@@ -48,6 +48,7 @@ LONG_STUDIES = list(dict.fromkeys(need for _, each in ALL for need in each.needs
 
 @pytest.mark.slow
 @pytest.mark.parametrize("study", LONG_STUDIES, ids=[study.command for study in LONG_STUDIES])
+@pytest.mark.sampled
 def test_measured_numbers_of_a_long_study_are_those_of_its_cases(study: StudyNeed):
     """1e-6: another processor may add up a recording in another order."""
     kept = read_measured(ROOT, study).results

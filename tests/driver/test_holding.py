@@ -74,6 +74,7 @@ def steepest(vehicle: Vehicle, road: str, direction: float) -> float:
 @pytest.mark.parametrize("direction", [1.0, -1.0], ids=["uphill", "downhill"])
 @pytest.mark.parametrize("road", ROADS)
 @pytest.mark.parametrize("name", CARS)
+@pytest.mark.sampled
 def test_a_driver_who_wants_to_stand_stands_up_to_the_steepest_slope_that_friction_holds(name, road, direction):
     """At 97 % of the slope on which locked wheels begin to slide, at half and at a tenth of it."""
     vehicle = car_named(name)

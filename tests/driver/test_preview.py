@@ -46,6 +46,7 @@ def test_every_car_settles_in_reverse(car):
 
 
 @pytest.mark.parametrize("car", CARS)
+@pytest.mark.sampled
 def test_bends_of_3_m_per_s2_are_followed(car):
     """At 30 to 140 km/h within 0.45 m of a bend that begins at once, and within 2 cm per m/s^2 in its end.
 

@@ -33,6 +33,7 @@ def assert_same_bits(ours: np.ndarray, python: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize("name", ONE)
+@pytest.mark.sampled
 def test_one_argument(name):
     function, x = getattr(elementary, name), any_numbers(1)
     out = np.empty_like(x)

@@ -26,6 +26,7 @@ def objects(tmp_path_factory):
 
 @pytest.mark.parametrize("target", DRIVEN)
 @pytest.mark.parametrize("key", RUNS, ids=lambda key: key[0])
+@pytest.mark.sampled
 def test_a_published_hash_is_met(key, target, objects):
     for needed in (TARGETS[target].compiler, *TARGETS[target].emulator[:1]):
         if not shutil.which(needed):

@@ -49,6 +49,7 @@ def test_nothing_is_withheld_from_wheels_that_roll(name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", METHODS)
+@pytest.mark.sampled
 def test_nothing_is_withheld_on_a_dry_road_without_slip(name):
     """Every car at 8 and 22 m/s and in reverse, pedal down at once to a tenth and a fifth of the weight.
 

@@ -73,6 +73,7 @@ def test_law_rests_with_the_driver(name):
 @settings(max_examples=40)
 @given(sequence=sequences)
 @pytest.mark.parametrize(("name", "changed", "driven"), MIRRORED)
+@pytest.mark.sampled
 def test_mirrored_car_gets_mirrored_torques_to_the_bit(name, changed, driven, sequence):
     car = on(CARS[name], driven)
     law, mirror = Differential(name, car, **changed), Differential(name, car, **changed)

@@ -97,6 +97,7 @@ def test_equal_hashes_say_something():
 
 
 @pytest.mark.parametrize("late", NODES)
+@pytest.mark.sampled
 def test_everybody_waits_for_a_node_that_starts_late(late, tmp_path):
     run = shchur(0.3)
     with graph(run, tmp_path, names=[name for name in NODES if name != late]) as nodes:
@@ -107,6 +108,7 @@ def test_everybody_waits_for_a_node_that_starts_late(late, tmp_path):
 
 
 @pytest.mark.parametrize("dead", [name for name in REQUIRED if name != "plant"])
+@pytest.mark.sampled
 def test_the_master_names_a_dead_node_and_goes_on_with_its_successor(dead, tmp_path, capfd):
     run = shchur(0.5, plant__answer_timeout=0.2, plant__real_time_factor=1.0)
     with graph(run, tmp_path) as nodes:

@@ -122,6 +122,7 @@ STUDIES = {
 @pytest.mark.parametrize(
     ("study", "width"), [*((study, COLUMN) for study in STUDIES), ("sweep of two", WIDE), ("compare", WIDE)]
 )
+@pytest.mark.sampled
 def test_print_has_no_text_beyond_the_edge_or_over_another(study: str, width: float):
     """A sweep of two parameters was 3.5 x 33.9 in, with colour bars apart from their maps and titles cut."""
     found = {name: flaws(figure, width) for name, figure in printed(STUDIES[study](), width).items()}

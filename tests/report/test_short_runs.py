@@ -22,6 +22,7 @@ BEGIN = (("driver", "pedals.begin", True),)  # pedals from the start instead of 
         ("steady_circle", None, BEGIN),
     ],
 )
+@pytest.mark.sampled
 def test_a_report_bears_any_run(name, duration, values):
     scenario = load_scenario(name, Overrides(values=values, duration=duration))
     runs = {run.name: run_offline(run.configurations, run.duration) for run in scenario.runs}

@@ -77,6 +77,7 @@ def deviations(recording: Recording, state: np.ndarray, reference: np.ndarray) -
 
 
 @pytest.mark.parametrize(("scenario", "name"), CASES)
+@pytest.mark.sampled
 def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
     """Less than 0.1 % of the way and of the largest speeds at its end; measured is 8e-6 at most, in a spin."""
     recording, coarse = driven(scenario, name)
@@ -88,6 +89,7 @@ def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
 
 
 @pytest.mark.parametrize(("scenario", "name"), CASES)
+@pytest.mark.sampled
 def test_an_adaptive_solver_ends_the_run_alike(scenario, name):
     """DOP853 at a relative tolerance of 1e-9 under the same commands: promised are 0.1 %, a tenth is asked here.
 

@@ -75,6 +75,7 @@ def offline(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("loop", ["1", "0"], ids=["compiled loop", "loop in Python"])
 @pytest.mark.parametrize("way", [(), ("--in-process",)], ids=["dds", "one"])
+@pytest.mark.sampled
 def test_every_way_of_running_gives_the_same_signals(
     way: tuple[str, ...], loop: str, offline: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
@@ -89,6 +90,7 @@ def test_every_way_of_running_gives_the_same_signals(
     assert shown_in(tmp_path / "bag") == shown_in(offline / "bag")
 
 
+@pytest.mark.weekly
 def test_the_same_signals_while_both_cores_are_busy(offline: Path, tmp_path: Path):
     with both_cores_busy():
         run("shchur2019", "--duration", 3, "--no-record", "--no-report", "--out", tmp_path)
@@ -217,7 +219,7 @@ def test_broken_yaml_is_named_with_its_line(tmp_path: Path):
     assert re.search(r"broken\.yaml: not readable as YAML in line \d", result.stderr)
 
 
-@pytest.mark.parametrize("name", ["plant", "asr", "recorder"])
+@pytest.mark.parametrize("name", ["plant", pytest.param("asr", marks=pytest.mark.weekly), "recorder"])
 def test_killing_a_node_ends_the_run_and_leaves_nothing(name: str, tmp_path: Path):
     """One of each kind; 5 s are the limit that the project has set itself for a run of which a node has died."""
     running = Running(tmp_path / "out")
@@ -291,7 +293,7 @@ def test_sigterm_stops_everything_too(way: tuple[str, ...], tmp_path: Path):
     assert len(load(running.folder / "signals.npz").time) > 50
 
 
-@pytest.mark.parametrize("name", ["plant", "recorder"])
+@pytest.mark.parametrize("name", ["plant", pytest.param("recorder", marks=pytest.mark.weekly)])
 def test_a_node_that_is_told_to_stop_ends_the_run(name: str, tmp_path: Path):
     """It ends with status 0, as these two do at the end of a run."""
     running = Running(tmp_path / "out")

@@ -24,7 +24,7 @@ FORGED = 3.0  # a finite number that no node of the run says
     [
         (run_in_processes, "asr", "plant", "torque_command"),
         (run_in_process, "asr", "plant", "torque_command"),
-        (run_in_processes, "driver", "recorder", "driver/command"),
+        pytest.param(run_in_processes, "driver", "recorder", "driver/command", marks=pytest.mark.weekly),
     ],
 )
 def test_commands_in_the_name_of_another_node_make_a_run_not_reproducible(

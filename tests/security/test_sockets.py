@@ -143,7 +143,7 @@ def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, networ
 
     def is_enough() -> bool:
         """Whether what would go on can be stopped."""
-        if words == BENCH and insiders:
+        if words == BENCH and isinstance(network, Network):
             return log.exists() and " 124#" in log.read_text()
         return words in (HUB, BENCH) and len(under_way.seen) >= least
 

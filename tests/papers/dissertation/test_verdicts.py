@@ -54,6 +54,7 @@ STUDIES = [
 
 
 @pytest.mark.parametrize(("id", "changed"), MODEL, ids=[id for id, _ in MODEL])
+@pytest.mark.sampled
 def test_another_parameter_is_noticed(id: str, changed):
     assert verdict_on(id).judgement in EXPECTED
     assert verdict_on(id, changed).judgement == "not reproduced"
@@ -112,6 +113,7 @@ def test_a_wheel_that_never_passes_its_peak_is_noticed(id: str):
         *("diss.modified_lambda", "diss.eq1.7.stabilises", "diss.set_points", "diss.side_force"),
     ],
 )
+@pytest.mark.sampled
 def test_motors_too_weak_to_spin_on_snow_make_no_control_better(id: str):
     """What the survey says of slip controls holds where there is slip."""
     motor = [word for of in ("peak", "nominal") for word in ("--set", f"*.vehicle.motor.{of}_torque=60.0")]
@@ -128,7 +130,7 @@ def test_motors_too_weak_to_spin_on_snow_make_no_control_better(id: str):
     [
         *("diss.requirement.smooth", "diss.asr.torque_falls", "diss.ideal.proportion", "diss.bench.load_above"),
         *("diss.burckhardt.C1", "diss.burckhardt.C3"),
-        pytest.param("diss.direct_torque", marks=pytest.mark.slow),
+        pytest.param("diss.direct_torque", marks=pytest.mark.weekly),
         pytest.param("diss.direct_torque.fastest", marks=pytest.mark.slow),
     ],
 )

@@ -52,6 +52,7 @@ def test_verdict_is_the_expected_one(id: str):
         ("ge.claim.yaw_target", ("electronic_differential", "yaw_gain", 0.0)),
     ],
 )
+@pytest.mark.sampled
 def test_another_parameter_is_noticed(id: str, changed):
     assert verdict_on(id, changed).judgement == "not reproduced"
 

@@ -61,6 +61,7 @@ def test_everything_else_that_can_be_judged_is_reproduced(id: str):
         ("shchur.turn", ("driver", "steering.wanted_angle.angle", (0.0, 0.45, 0.0, -0.45, 0.0))),
     ],
 )
+@pytest.mark.sampled
 def test_another_parameter_is_noticed(id: str, changed):
     assert verdict_on(id, changed).judgement == "not reproduced"
 
