@@ -33,6 +33,12 @@ HELD = 15.0  # rad/s, of the left shaft without torque
 USED = nothing_left_behind  # a fixture for all tests here
 
 
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    """Where programs are built, by target."""
+    return tmp_path_factory.mktemp("ecu")
+
+
 def built(target: str, folder: Path) -> list[str]:
     """The words that start the program here."""
     on = TARGETS[target]
@@ -70,14 +76,16 @@ class LeftLoad:
 
 
 @pytest.mark.parametrize("target", ["x86_64-linux", pytest.param("aarch64-linux", marks=pytest.mark.weekly)])
-def test_an_exported_law_drives_our_inverters(target, tmp_path):
+def test_an_exported_law_drives_our_inverters(target, folders):
     """Each answer is that of the law here to the same wheel speeds, to the bit, and the right shaft obeys.
 
     The left wheel is held back, so the right one overtakes it, and the left one gets more torque.
     """
-    program, bus = built(target, tmp_path), hub_channels()
-    alone = subprocess.run([*program, "1", "0", "1", "1"], capture_output=True, text=True)
-    assert (alone.returncode, alone.stderr) == (1, "ecu: there is no hub at port 1\n")
+    program, bus = built(target, folders / target), hub_channels()
+    for seconds, line in (("1", "there is no hub at port 1"), ("0", "SECONDS and TIMEOUT are refused, ")):
+        alone = subprocess.run([*program, "1", "0", seconds, "1"], capture_output=True, text=True)
+        assert alone.returncode == 1
+        assert alone.stderr.startswith(f"ecu: {line}")
     port = bus["bus.channel_11"].rpartition(":")[2]
     with ros_domain() as context:
         inverter = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT})
@@ -100,3 +108,21 @@ def test_an_exported_law_drives_our_inverters(target, tmp_path):
         assert [answer[f"torque_request.drive.front_{side}"] for side in ("left", "right")] == torques
     left, right, *torques = rows[-1]
     assert right > left and torques[0] > torques[1]  # by how much hangs on the wall clock
+
+
+def test_a_torque_that_is_none_goes_out_as_zero(folders):
+    """A pedal that is not a number is an input that the law refuses, and 1e6 N m are more than the frame has."""
+    folder, on = folders / "x86_64-linux", TARGETS["x86_64-linux"]
+    built(on.name, folder)
+    sources = [Path(__file__).with_name("ecu_cycles.c"), folder / "ev_bench.c", folder / "law" / "libevs_law.a"]
+    options = ["-std=gnu2x", *(f"-I{each}" for each in (EXAMPLES / "ecu", folder, folder / "law"))]
+    program = on.program(sources, folder / "ecu_cycles", options)
+    done = subprocess.run([program, "300", "nan", "300", "1e6", "300"], capture_output=True, text=True, check=True)
+    rows = [line.split() for line in done.stdout.splitlines()]
+    cycles = [[float(word) for word in words] for kind, *words in rows if kind == "cycle"]
+    drives = pytest.approx([1.0, PEDAL / 2 / 7.4, PEDAL / 2 / 7.4], abs=0.02)  # half a step of the frame
+    assert cycles == [drives, [0.0, 0.0, 0.0], drives, [0.0, 0.0, 0.0], drives]
+    assert [line.partition(" is refused")[0] for line in done.stderr.splitlines()] == [
+        "ecu: driver.command.drive_torque",
+        "ecu: 67567.6 N m at a shaft",
+    ]
