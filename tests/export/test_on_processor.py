@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 
+import numpy as np
 import pytest
 
 from ev_msgs_py.refusal import ParameterError
@@ -15,6 +16,15 @@ from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import signal_hash
 
 SECONDS = 0.5
+# A law of each source, and a time [s] by which it has answered otherwise than at the start. Those compile quickly that
+# are first, in the middle and last: every suite takes them.
+SOURCES = (
+    ("shchur2019", "", "electronic_differential", "power_steering", 0.5),
+    ("ge_ni2005", "increment", "electronic_differential", "slip_target", 0.3),
+    ("tatar_chudzik", "all_corrected", "electronic_differential", "steering_correction", 15.1),
+    ("urban_mixed", "", "asr", "least_squares", 16.1),
+    ("zhileykin2018", "k1_estimated", "electronic_differential", "axle_redistribution", 2.6),
+)
 EMULATORS = {"x86_64": "gcc", "aarch64": "qemu-aarch64", "arm": "qemu-arm"}
 
 
@@ -36,6 +46,19 @@ def test_the_signals_are_those_of_the_plain_run(processor):
     assert hash_of(moved) == hash_of(plain)
     steps = round(SECONDS / 0.01) + 1  # the law answers at both ends
     assert f"driver on {processor}: {steps} steps" in driver.report
+
+
+@pytest.mark.sampled
+@pytest.mark.skipif(not shutil.which("gcc"), reason="gcc is not installed")
+@pytest.mark.parametrize(("scenario", "name", "role", "law", "seconds"), SOURCES, ids=[source[0] for source in SOURCES])
+def test_a_law_of_each_source_leaves_the_signals_as_they_are(scenario, name, role, law, seconds):
+    plain = only_run(scenario, name, overrides(duration=seconds))
+    assert plain.configurations[role].method.name == law
+    moved, (there,) = with_processors(plain, {role: "x86_64"})
+    recording = run_offline(plain.configurations, plain.duration)
+    answers = np.array([recording.channels[channel.name] for channel in there.content.outputs])
+    assert np.any(answers != answers[:, :1])  # else a program that does nothing would pass
+    assert hash_of(moved) == signal_hash(recording)
 
 
 @pytest.mark.parametrize(
