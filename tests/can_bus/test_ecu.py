@@ -82,8 +82,12 @@ def test_an_exported_law_drives_our_inverters(target, folders):
     The left wheel is held back, so the right one overtakes it, and the left one gets more torque.
     """
     program, bus = built(target, folders / target), hub_channels()
-    for seconds, line in (("1", "there is no hub at port 1"), ("0", "SECONDS and TIMEOUT are refused, ")):
-        alone = subprocess.run([*program, "1", "0", seconds, "1"], capture_output=True, text=True)
+    for words, line in (
+        (["0", "1"], "there is no hub at port 1"),
+        (["0", "0"], "SECONDS and TIMEOUT are refused, "),
+        (["a", "1"], "PEDAL is refused, "),
+    ):
+        alone = subprocess.run([*program, "1", *words, "1"], capture_output=True, text=True)
         assert alone.returncode == 1
         assert alone.stderr.startswith(f"ecu: {line}")
     port = bus["bus.channel_11"].rpartition(":")[2]

@@ -211,7 +211,9 @@ int main(int count, char **words)
     static drive_t drives[DRIVES];
     if (count != 5) return fprintf(stderr, "ecu PORT PEDAL SECONDS TIMEOUT\n"), 1;
     setvbuf(stdout, 0, _IOLBF, BUFSIZ); /* lines go out whole */
-    double pedal = atof(words[2]);
+    char *end;
+    double pedal = strtod(words[2], &end);
+    if (*end || end == words[2]) return fprintf(stderr, "ecu: PEDAL is refused, allowed is a number\n"), 1;
     int left = milliseconds(words[3]), timeout = milliseconds(words[4]);
     if (!left || !timeout) return fprintf(stderr, "ecu: SECONDS and TIMEOUT are refused, allowed are 0.001 s or more\n"), 1;
     for (int k = 0; k < DRIVES; k++)
@@ -230,7 +232,7 @@ int main(int count, char **words)
         wait_for_cycle(&due);
         for (int k = 0; k < DRIVES; k++) send_set_point(&drives[k], wired[k].set_point, 0x00, 0.0);
     }
-    const char *end = !all_enabled ? "the drives were not enabled in time" : is_well ? "held" : "a drive or the law has failed";
-    fprintf(stderr, "ecu: %s, %.1f us of processor time a cycle\n", end, 1e6 * clock() / CLOCKS_PER_SEC / cycles);
+    const char *how = !all_enabled ? "the drives were not enabled in time" : is_well ? "held" : "a drive or the law has failed";
+    fprintf(stderr, "ecu: %s, %.1f us of processor time a cycle\n", how, 1e6 * clock() / CLOCKS_PER_SEC / cycles);
     return left > 0;
 }
