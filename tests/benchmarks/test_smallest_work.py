@@ -33,6 +33,8 @@ BENCHMARKS = {
 # Those that nothing else starts; lock, site and wheels take packages from elsewhere, .ci/run starts suite and campaign.
 SCRIPTS = {"determinism": ("--trials", "1", "--seconds", "0.1", "--only", "double_lane_change")}
 
+LONG = ("lockstep", "native")  # ten seconds each, whatever they are told
+
 pytestmark = pytest.mark.slow
 
 
@@ -42,7 +44,13 @@ def assert_ends_well(words: list[str | Path], folder: Path) -> None:
     assert done.stdout and "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in ROOT.glob("benchmarks/*.py")))
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.weekly) if name in LONG else name
+        for name in sorted(path.stem for path in ROOT.glob("benchmarks/*.py"))
+    ],
+)
 def test_a_benchmark_starts(name: str, tmp_path: Path):
     assert_ends_well([sys.executable, ROOT / "benchmarks" / f"{name}.py", *BENCHMARKS[name]], tmp_path)
 

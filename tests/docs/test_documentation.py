@@ -162,7 +162,11 @@ def test_yaw_moment_lowers_the_error_that_the_page_says():
 
 @pytest.mark.parametrize(
     ("module", "method"),
-    [("own_method", "limit"), ("own_law", "limit_in_python"), ("own_law", "limit_compiled")],
+    [
+        ("own_method", "limit"),
+        pytest.param("own_law", "limit_in_python", marks=pytest.mark.weekly),
+        ("own_law", "limit_compiled"),
+    ],
 )
 def test_own_method_is_found_by_its_entry_point(built_in: Path, tmp_path: Path, module: str, method: str):
     """As installed: a folder on the path with the module and its metadata."""

@@ -136,7 +136,7 @@ def test_the_uv_of_the_lock_installs_the_lock_as_pip_is_told_to(checkout):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("why", ["cannot be had", "fails"])
+@pytest.mark.parametrize("why", [pytest.param("cannot be had", marks=pytest.mark.weekly), "fails"])
 def test_where_uv_is_of_no_use_pip_installs_and_one_line_says_so(why, checkout):
     if why == "cannot be had":
         (checkout.wheels / "uv-1.0-py3-none-any.whl").unlink()

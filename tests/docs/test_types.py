@@ -40,6 +40,7 @@ def test_a_wrong_type_in_a_law_is_found(tmp_path: Path):
     assert 'expected "WheelTorqueRequest"' in found.stdout, found.stdout + found.stderr
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 def test_a_program_that_calls_the_packages_gets_their_types(tmp_path: Path):
     """A checker that knows only what is installed finds py.typed; its cache is its own, as its rules are."""

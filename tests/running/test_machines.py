@@ -19,7 +19,7 @@ MACHINES = {"a C library without FMA and AVX2": C_LIBRARIES["without FMA and AVX
 SCENARIOS = ("double_lane_change", "shchur2019", "urban_mixed")  # between them tyres, drives, columns, drivers and laws
 # Compiling the planar plant anew takes half a minute: scripts/determinism.sh does it, and for all scenarios.
 QUICKLY_COMPILED = ("shchur2019",)
-COMPILERS = ("any x86-64 processor", pytest.param("without optimisation", marks=pytest.mark.weekly))
+COMPILERS = ("any x86-64 processor", "without optimisation")
 
 
 def hashes(*scenarios: str) -> list[str]:
@@ -46,6 +46,7 @@ def test_another_c_library_gives_the_same_bits(machine):
     assert hashes_on(machine, SCENARIOS) == hashes(*SCENARIOS)
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("compiler", COMPILERS)

@@ -89,7 +89,7 @@ def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
 
 
 @pytest.mark.parametrize(("scenario", "name"), CASES)
-@pytest.mark.sampled
+@pytest.mark.weekly
 def test_an_adaptive_solver_ends_the_run_alike(scenario, name):
     """DOP853 at a relative tolerance of 1e-9 under the same commands: promised are 0.1 %, a tenth is asked here.
 

@@ -30,7 +30,7 @@ def inspect(domain: int, *words: str) -> subprocess.CompletedProcess:
 @pytest.fixture(scope="module")
 def domain(tmp_path_factory) -> Iterator[int]:
     """The domain of a graph that is held at real time."""
-    running = Running(tmp_path_factory.mktemp("inspect") / "out", "--set", "plant.real_time_factor=0.3")
+    running = Running(tmp_path_factory.mktemp("inspect") / "out", "--set", "plant.real_time_factor=1")
     yield int(re.search(r"ROS_DOMAIN_ID=(\d+), namespace /ev\n", running.text())[1])
     os.killpg(running.script.pid, signal.SIGINT)
     running.end(within=10.0)

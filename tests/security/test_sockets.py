@@ -131,7 +131,7 @@ class Try:
         self.said.close()
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", [pytest.param(way, marks=pytest.mark.weekly) if way == "dask" else way for way in WAYS])
 def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, network, tmp_path):
     """What is bound to a multicast group is heard on loopback alone: the bus logs an insider's frame, no stranger's.
 
