@@ -19,13 +19,14 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 from rosidl_generator_py.import_type_support_impl import UnsupportedTypeSupport
 
-from ev_core.methods.register import NODES, entry_points
+from ev_core.methods.register import NODES
 from ev_core.nodes import ros_parameters
 from ev_core.nodes.master.node import MasterNode
 from ev_core.nodes.spinning import spin
 from ev_core.nodes.stepped_node import SteppedNode
 from ev_core.nodes.stop_request import StopRequest, turn_deaf
 from ev_core.nodes.time_of_day import refuse_late_time_of_day, too_late
+from ev_core.parameters.data_file import entry_points
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import LINE, quoted, shown
 

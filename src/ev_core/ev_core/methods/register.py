@@ -11,13 +11,14 @@ import typing
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module, metadata
+from importlib import import_module
 from types import ModuleType
 from typing import Any, TypeVar
 
 from ev_core.faults.fault import FaultParameters
 from ev_core.methods.hooks import refuse_lacking
 from ev_core.methods.law import Law, declared_law, given_names
+from ev_core.parameters.data_file import entry_points
 from ev_core.parameters.declaration import entries, group, setting
 from ev_core.parameters.values import entries_by_name, refuse_undeclared
 from ev_core.vehicle.car import refusal
@@ -46,15 +47,6 @@ class CommonParameters:
     )
     lock_memory: bool = setting(False, about="keep the memory of the node's process from being paged", read_only=True)
     vehicle: Vehicle = group(Vehicle)
-
-
-_installed: Callable[[], Any] = cache(metadata.entry_points)
-
-
-def entry_points(**wanted: str) -> Iterable[metadata.EntryPoint]:
-    """Those of a `group`, and of a `name` if it is given. Packages are searched once: each time takes 10 ms."""
-    points: Iterable[metadata.EntryPoint] = _installed().select(**wanted)
-    return points
 
 
 @cache
