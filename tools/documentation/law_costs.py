@@ -36,6 +36,8 @@ COUNTING = {  # words of the emulators that count
     "x86_64-linux": ("qemu-x86_64", "-cpu", "max"),
     **{name: TARGETS[name].emulator for name in DRIVEN if TARGETS[name].emulator},
 }
+
+
 def law_table() -> str:
     """A row for each law of ours."""
     refuse_missing(COUNTING["x86_64-linux"][0])

@@ -11,7 +11,7 @@ from ev_sim.export.targets import TARGETS
 
 _SOURCE = Path(__file__).parent / "templates" / "qemu_count.c"
 _HOST = TARGETS["x86_64-linux"]
-_VERSIONS = range(1, 9)  # of the interface; an emulator takes some of them
+_VERSIONS = range(1, 7)  # of the interface; an emulator takes some of them
 _DESCRIPTOR = 100  # through which the program reads the count
 
 
@@ -29,5 +29,5 @@ def counted(command: Sequence[str], folder: Path) -> list[str]:
         # A program ends with its input.
         if not (tried := subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True)).returncode:
             return words
-    line = tried.stderr.decode(errors="replace").strip().rpartition("\n")[2]
+    line = tried.stderr.decode(errors="replace").strip().rpartition("\n")[2] or f"status {tried.returncode}"
     raise ParameterError(f"{emulator[0]} does not take the plugin that counts: {line}")

@@ -8,6 +8,7 @@ from __future__ import annotations
 import errno
 import os
 import select
+import signal
 import struct
 import subprocess
 from collections.abc import Sequence
@@ -23,8 +24,7 @@ from ev_sim.export.content import Content
 from ev_sim.export.library import PROTOCOL, Library
 from ev_sim.export.targets import Target
 
-# All functions are bound at the start, so that no step looks for one.
-_OPTIONS = ("-std=gnu99", "-O2", "-ffp-contract=off", "-Wl,-z,now")
+_OPTIONS = ("-std=gnu99", "-O2", "-ffp-contract=off")
 _NAME = "model"
 PATIENCE = 60.0  # s, with a program that does not answer
 _AT_ONCE = 65536  # bytes that are read or written
@@ -73,7 +73,7 @@ def build_program(content: Content, target: Target, folder: Path) -> list[str]:
     objects = library.objects(target, folder)
     templates = ["model.h", "constants.h", "model.c", "program.c"]
     sources = library.write(folder, target, templates, **library.sizes(objects))
-    program = target.program([*objects, *sources[2:]], folder / f"{_NAME}_program", _OPTIONS)
+    program = target.program([*objects, *sources[2:]], folder / f"{_NAME}_program", (*_OPTIONS, *target.linking))
     return [*target.emulator, str(program)]
 
 
@@ -88,7 +88,9 @@ class Program:
         self._inputs = struct.Struct(f"<{len(content.inputs)}d")
         self._outputs = struct.Struct(f"<i{len(content.outputs)}d")
         try:
-            self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0)
+            self._process = subprocess.Popen(
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0, start_new_session=True
+            )
         except (OSError, ValueError) as error:
             raise self._refused(getattr(error, "strerror", "") or "it does not start") from None
         with ExitStack() as unless_ours:
@@ -142,14 +144,14 @@ class Program:
         return answers["outputs"]
 
     def close(self) -> None:
-        """End it, by force if it does not end with its input."""
+        """End it; by force, with all that it has started, if it does not end with its input."""
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
                 pipe.close()
         try:
             self._process.wait(1.0)
         except subprocess.TimeoutExpired:
-            self._process.kill()
+            os.killpg(self._process.pid, signal.SIGKILL)
             self._process.wait()
 
     def __enter__(self) -> Program:

@@ -28,6 +28,10 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 #endif
+#ifdef _WIN32
+#include <fcntl.h>
+#include <io.h>
+#endif
 
 enum { VERSION = {{ protocol }}, CODE = {{ code }}, CONSTANTS = {{ constants }} };
 
@@ -58,8 +62,7 @@ static __attribute__((noinline)) uint32_t below_gap(enum what what)
         found = (uint32_t){{ name }}_step(&it);
     else if (what != NOTHING)
         found = stack(what == PAINT);
-    gap[0] = 1; /* else the call above could leave the gap before */
-    return found;
+    return found + gap[0]; /* so it is there until then */
 }
 
 static int32_t error; /* why instructions are not counted */
@@ -159,6 +162,9 @@ int main(int count, char **words)
     double inputs[{{ upper }}_INPUTS + 1], value;
     static {{ name }} given;
     cost step;
+#ifdef _WIN32
+    _setmode(0, _O_BINARY), _setmode(1, _O_BINARY);
+#endif
     open_counter(count > 1 ? words[1] : 0);
     uint64_t of_counting = cost_of_counting();
     measured(PAINT, &step);

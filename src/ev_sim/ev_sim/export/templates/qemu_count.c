@@ -2,7 +2,7 @@
  *
  * The program finds it behind the descriptor DESCRIPTOR: it and its emulator are one process, so no two programs share
  * a count, and nothing is left when they end. Debian brings no header of QEMU's plugins: these are the few declarations
- * that are used, of which no version of the interface has changed more than its number, API.
+ * that are used, of which versions 1 to 6 of the interface have changed no more than its number, API (QEMU 4.2 to 10).
  */
 #define _GNU_SOURCE
 #include <stddef.h>
@@ -19,7 +19,7 @@ void qemu_plugin_register_vcpu_tb_exec_cb(struct qemu_plugin_tb *block, void (*c
 
 EXPORTED int qemu_plugin_version = API;
 
-static uint64_t *instructions;
+static uint64_t *instructions; /* of all blocks that have begun */
 
 static void executed(unsigned processor, void *count) { *instructions += (uintptr_t)count; }
 
