@@ -2,7 +2,7 @@
  *
  * The program finds it behind the descriptor DESCRIPTOR: it and its emulator are one process, so no two programs share
  * a count, and nothing is left when they end. Debian brings no header of QEMU's plugins: these are the few declarations
- * that are used, of which versions 1 to 6 of the interface have changed no more than its number, API (QEMU 4.2 to 10).
+ * that are used, of which versions 1 to 6 of the interface have changed no more than its number, API.
  */
 #define _GNU_SOURCE
 #include <stddef.h>
