@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_sim.benchmark.added import check_laws, with_added
 from ev_sim.benchmark.board import Board, read_board
 from ev_sim.benchmark.driving import drive_cell
 from ev_sim.benchmark.result import CELL_COLUMNS, COLUMNS, BoardResult
@@ -31,15 +32,24 @@ def run_benchmark(argv: Sequence[str]) -> None:
     parser.add_argument("board", nargs="?", default="small", help="name or path of a board; default: %(default)s")
     parser.add_argument("--cells", default="*", metavar="ID", help="those whose ids fit, such as '*:step_steer:*'")
     parser.add_argument("--laws", metavar="NAME,NAME", help="these and the reference only")
+    parser.add_argument(
+        "--add",
+        action="append",
+        default=[],
+        metavar="LAW[=FILE]",
+        help="one more law: my_law.py, my_law.py:NAME, a law of the board or a method, with a parameter file",
+    )
     parser.add_argument("--draws", type=int, metavar="N", help="of each cell, instead of those of the board")
     parser.add_argument("--seed", type=int, metavar="N", help="of the draws, instead of that of the board")
     parser.add_argument("--threads", type=int, metavar="N", help="default: one per core")
     parser.add_argument("--out", type=Path, default=Path("results/benchmark"), metavar="DIR", help="%(default)s")
     given = parser.parse_args(argv)
     begin = time.monotonic()
-    board = _asked(read_board(given.board), given)
+    board, added = with_added(_asked(read_board(given.board), given), given.add)
+    laws = _laws(board, given.laws, added)
+    check_laws(board, added)
     with OutputFolder(given.out, "benchmark", FILES) as folder:
-        result = drive_board(board, given.cells, _laws(board, given.laws), given.threads)
+        result = drive_board(board, given.cells, laws, given.threads)
         print(text_table(CELL_COLUMNS, result.cell_rows(), left=CELL_COLUMNS))
         print()
         print(text_table(COLUMNS, result.rows(), left=("law",)))
@@ -67,8 +77,8 @@ def _asked(board: Board, given: argparse.Namespace) -> Board:
     return replace(board, **changed)
 
 
-def _laws(board: Board, names: str | None) -> list[str]:
-    asked = [board.reference, *(names.split(",") if names else board.laws)]
+def _laws(board: Board, names: str | None, added: Sequence[str]) -> list[str]:
+    asked = [board.reference, *(names.split(",") if names else board.laws), *added]
     for name in asked:
         if name not in board.laws:
             raise unknown_name("law", name, board.laws)
