@@ -30,8 +30,7 @@ from ev_sim.batches.whole_runs import WholeRuns
 from ev_sim.measures.registry import NamedMetric
 from ev_sim.recording.offline import written_topics
 
-EVERY_ROLE = "*"
-_VEHICLE, _SENSORS = "vehicle.", "sensors."
+EVERY_ROLE, _VEHICLE, _SENSORS = "*", "vehicle.", "sensors."
 _OF_ALL_RUNS = ("method", "control_period", "mode")
 _SEED = entries_by_name(CommonParameters)["seed"]
 
