@@ -15,7 +15,7 @@ import os
 import pickle
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import cache
 from importlib.machinery import PathFinder
 from pathlib import Path
@@ -36,7 +36,7 @@ TOUCHES = {
     "stack": "extending:lower_builtin core.cgutils:alloca_once np.arrayobj:make_array np.arrayobj:populate_array",
     "edits": "core.typing.context:BaseContext.refresh core.typing.context:BaseContext.resolve_value_type",
     "overloads": "core.caching:NullCache core.compiler:CompileResult._rebuild core.compiler:CompileResult._reduce "
-    "core.serialize:dumps core.codegen:CodeLibrary.has_dynamic_globals",
+    "core.serialize:dumps core.codegen:CodeLibrary.has_dynamic_globals core.dispatcher:Dispatcher.compile",
     "object_code": "core.codegen:CodeLibrary._get_compiled_object core.codegen:CodeLibrary.has_dynamic_globals",
     "options": "",
 }
@@ -178,11 +178,16 @@ def forget_made_of(functions: Sequence[Callable[..., Any]]) -> None:
 
 
 def keep_overloads(
-    function: Any, ready: Callable[[], None], read: Callable[[str], bytes | None], write: Callable[[str, bytes], None]
+    function: Any,
+    ready: Callable[[], None],
+    alone: Callable[[], AbstractContextManager[None]],
+    read: Callable[[str], bytes | None],
+    write: Callable[[str, bytes], None],
 ) -> None:
     """Let numba `read` what it has made of a function for types, given as a text, and `write` what it makes.
 
-    Code that holds addresses of this process is not written. Before it looks for any, numba is made `ready`.
+    Code that holds addresses of this process is not written. Before it looks for any, numba is made `ready`; it looks
+    and compiles within `alone`, so that of several processes one compiles and the others read.
     """
     if not is_used("overloads"):
         return
@@ -201,7 +206,11 @@ def keep_overloads(
             if not made.library.has_dynamic_globals:
                 write(repr(_with_names(signature)), dumps(made._reduce()))
 
-    function._cache = Kept()
+    def compiled(signature: Any) -> Any:
+        with alone():
+            return type(function).compile(function, signature)
+
+    function._cache, function.compile = Kept(), compiled
 
 
 def _with_names(kinds: Sequence[Any]) -> list[Any]:
