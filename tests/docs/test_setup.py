@@ -188,7 +188,8 @@ def test_two_calls_at_once_set_up_once(checkout):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "distribution", ["kilted", *(pytest.param(name, marks=pytest.mark.weekly) for name in ("jazzy", "lyrical", "rolling"))]
+    "distribution",
+    ["kilted", *(pytest.param(name, marks=pytest.mark.weekly) for name in ("jazzy", "lyrical", "rolling"))],
 )
 def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, checkout, tmp_path):
     """Not ROS, and numpy as the distribution has it; by pip, for uv does not see what the distribution has."""
