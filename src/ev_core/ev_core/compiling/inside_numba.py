@@ -32,7 +32,8 @@ VARIABLE = "EV_STACK_PLAIN_NUMBA"
 TOUCHES = {
     "callees": "core.codegen:JITCodeLibrary._finalize_dynamic_globals core.codegen:JITCPUCodegen.create_library "
     "core.codegen:JITCodeLibrary._verify_declare_only_symbols core.codegen:JITCPUCodegen.set_env "
-    "core.codegen:JITCodeLibrary._optimize_final_module core.compiler_lock:global_compiler_lock",
+    "core.codegen:JITCodeLibrary._optimize_final_module core.codegen:JITCPUCodegen._module_pass_manager "
+    "core.compiler_lock:global_compiler_lock",
     "stack": "extending:lower_builtin core.cgutils:alloca_once np.arrayobj:make_array np.arrayobj:populate_array",
     "edits": "core.typing.context:BaseContext.refresh core.typing.context:BaseContext.resolve_value_type",
     "overloads": "core.caching:NullCache core.compiler:CompileResult._rebuild core.compiler:CompileResult._reduce "
@@ -107,7 +108,14 @@ def _libraries() -> tuple[type, type]:
     from numba.core.codegen import JITCodeLibrary
 
     class Callee(JITCodeLibrary):
-        """Optimised, and complete as what it is linked into takes it."""
+        """Optimised roughly, for what it is linked into is optimised wholly, and complete as that takes it."""
+
+        def _optimize_final_module(self) -> None:
+            codegen: Any = self._codegen
+            manager, builder = codegen._module_pass_manager(
+                loop_vectorize=codegen._loopvect, slp_vectorize=False, opt=codegen._opt_level, cost="cheap"
+            )
+            manager.run(self._final_module, builder)
 
         def _finalize_final_module(self) -> None:
             self._finalize_dynamic_globals()
