@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.friction_estimate import unknown_road
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, split, split_brake
 from ev_control.shared.torque_split import KNOWN_BY, differential
 from ev_control.torque_vectoring.integral import MomentIntegral, follow_saturation
@@ -14,6 +13,7 @@ from ev_control.torque_vectoring.known_motion import (
     KnownMotionState,
     is_known,
     known_motion,
+    unknown_motion,
 )
 from ev_control.torque_vectoring.lqr import NO_GAINS, Gains, LQRParameters, lqr_gains, lqr_moment
 from ev_control.torque_vectoring.pi import PIParameters, pi_moment
@@ -40,8 +40,12 @@ from ev_control.torque_vectoring.single_track import (
 )
 from ev_control.torque_vectoring.sliding_modes import (
     SlidingModeParameters,
+    SuboptimalParameters,
+    SuboptimalState,
     SuperTwistingParameters,
+    forget_extrema,
     sliding_mode_moment,
+    suboptimal_moment,
     super_twisting_moment,
 )
 from ev_control.torque_vectoring.weighted_least_squares import LeastSquaresParameters, least_squares
@@ -54,8 +58,8 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 
-CONTROLLERS = ("pi", "lqr", "predictive", "sliding_mode", "super_twisting")
-PI, LQR, PREDICTIVE, SLIDING_MODE, SUPER_TWISTING = range(len(CONTROLLERS))
+CONTROLLERS = ("pi", "lqr", "predictive", "sliding_mode", "super_twisting", "suboptimal")
+PI, LQR, PREDICTIVE, SLIDING_MODE, SUPER_TWISTING, SUBOPTIMAL = range(len(CONTROLLERS))
 ALLOCATIONS = ("axle", "load", "least_squares")
 BY_AXLE, BY_LOAD, LEAST_SQUARES = range(len(ALLOCATIONS))
 
@@ -95,6 +99,7 @@ class DirectYawMomentParameters:
     lqr: LQRParameters = group(LQRParameters)
     sliding_mode: SlidingModeParameters = group(SlidingModeParameters)
     super_twisting: SuperTwistingParameters = group(SuperTwistingParameters)
+    suboptimal: SuboptimalParameters = group(SuboptimalParameters)
     axle: ShareParameters = group(ShareParameters)
     least_squares: LeastSquaresParameters = group(LeastSquaresParameters)
     limits: AllocationParameters = group(AllocationParameters, keep="difference")
@@ -106,6 +111,7 @@ class DirectYawMomentState:
     """What lasts between steps."""
 
     integral: MomentIntegral = part(MomentIntegral)
+    suboptimal: SuboptimalState = part(SuboptimalState)
     wanted: ReferenceState = part(ReferenceState)
     known: KnownMotionState = part(KnownMotionState)
 
@@ -121,7 +127,7 @@ def prepare(parameters: DirectYawMomentParameters, vehicle: Vehicle, period: flo
     "direct_yaw_moment",
     DirectYawMomentParameters,
     state=DirectYawMomentState,
-    start=lambda p: DirectYawMomentState(known=KnownMotionState(unknown_road(p.known.friction))),
+    start=lambda p: DirectYawMomentState(known=unknown_motion(p.known)),
     prepare=prepare,
     needs=(an_axle_with_motors,),
 )
@@ -158,12 +164,13 @@ def direct_yaw_moment(
         asked = min(max(asked, -p.largest_moment), p.largest_moment)
     drive = torques(p, car, motion, wheels, imu, driver.drive_torque, asked)
     request = allocated(p.limits, car, wheels, WheelTorqueRequest(drive, split_brake(p.brake, driver)))
-    if fast > 0.0 and (p.controller == PI or p.controller == SUPER_TWISTING):
+    if fast > 0.0 and (p.controller == PI or p.controller == SUPER_TWISTING or p.controller == SUBOPTIMAL):
         # By load, left and right differ without a moment: only what saturation takes is missing.
         given = asked if p.allocation == LEAST_SQUARES else turned_by(car, drive)
         follow_saturation(s.integral, period, p.tracking_time, given - turned_by(car, request.drive))
     else:
         s.integral.moment = 0.0
+        forget_extrema(s.suboptimal)
     return request
 
 
@@ -220,6 +227,8 @@ def feedback(
         return lqr_moment(c, speed, lateral_error, yaw_error)
     if p.controller == SLIDING_MODE:
         return sliding_mode_moment(p.sliding_mode, car, yaw_error)
+    if p.controller == SUBOPTIMAL:
+        return suboptimal_moment(p.suboptimal, car, s.suboptimal, s.integral, period, yaw_error)
     return super_twisting_moment(p.super_twisting, car, s.integral, period, yaw_error)
 
 
