@@ -31,9 +31,8 @@ VARIABLE = "EV_STACK_PLAIN_NUMBA"
 # By touch the names of numba that it needs, as far as they can be looked for.
 TOUCHES = {
     "callees": "core.codegen:JITCodeLibrary._finalize_dynamic_globals core.codegen:JITCPUCodegen.create_library "
-    "core.codegen:JITCodeLibrary._verify_declare_only_symbols core.codegen:JITCPUCodegen.set_env "
-    "core.codegen:JITCodeLibrary._optimize_final_module core.codegen:JITCPUCodegen._module_pass_manager "
-    "core.compiler_lock:global_compiler_lock",
+    "core.codegen:JITCodeLibrary._verify_declare_only_symbols core.codegen:JITCPUCodegen._module_pass_manager "
+    "core.codegen:JITCPUCodegen.set_env core.compiler_lock:global_compiler_lock",
     "stack": "extending:lower_builtin core.cgutils:alloca_once np.arrayobj:make_array np.arrayobj:populate_array",
     "edits": "core.typing.context:BaseContext.refresh core.typing.context:BaseContext.resolve_value_type",
     "overloads": "core.caching:NullCache core.compiler:CompileResult._rebuild core.compiler:CompileResult._reduce "
@@ -111,10 +110,7 @@ def _libraries() -> tuple[type, type]:
         """Optimised roughly, for what it is linked into is optimised wholly, and complete as that takes it."""
 
         def _optimize_final_module(self) -> None:
-            codegen: Any = self._codegen
-            manager, builder = codegen._module_pass_manager(
-                loop_vectorize=codegen._loopvect, slp_vectorize=False, opt=codegen._opt_level, cost="cheap"
-            )
+            manager, builder = self._codegen._module_pass_manager(slp_vectorize=False, cost="cheap")
             manager.run(self._final_module, builder)
 
         def _finalize_final_module(self) -> None:
@@ -148,10 +144,7 @@ def make_memory_known() -> None:
 
     @type_callable(working_memory)
     def _type(context: Any) -> Any:
-        def typer(layout: Any) -> Any:
-            return types.Array(layout.dtype, 1, "C") if isinstance(layout, types.DType) else None
-
-        return typer
+        return lambda layout: types.Array(layout.dtype, 1, "C") if isinstance(layout, types.DType) else None
 
     @lower_builtin(working_memory, types.DType)
     def _lowered(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -192,10 +185,9 @@ def keep_overloads(
     read: Callable[[str], bytes | None],
     write: Callable[[str, bytes], None],
 ) -> None:
-    """Let numba `read` what it has made of a function for types, given as a text, and `write` what it makes.
+    """Let numba, once `ready`, `read` what it has made of a function for types, given as a text, and `write` it.
 
-    Code that holds addresses of this process is not written. Before it looks for any, numba is made `ready`; it looks
-    and compiles within `alone`, so that of several processes one compiles and the others read.
+    It does so within `alone`, so that of several processes one compiles; addresses of this process are not written.
     """
     if not is_used("overloads"):
         return
