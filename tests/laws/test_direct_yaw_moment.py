@@ -76,7 +76,7 @@ def driven(law: Differential, car: LinearCar, angle: float, steps: int, **more) 
 @pytest.mark.parametrize("estimation", ["truth", "estimated"])
 @pytest.mark.parametrize(
     ("controller", "allowed"),
-    [("pi", 0.01), ("lqr", 0.08), ("sliding_mode", 0.06), ("super_twisting", 0.01)],
+    [("pi", 0.01), ("lqr", 0.08), ("sliding_mode", 0.06), ("super_twisting", 0.01), ("suboptimal", 0.01)],
 )
 @pytest.mark.parametrize("speed", [20.0, -8.0])
 def test_the_yaw_rate_follows_a_step_of_the_steering(controller, allowed, estimation, speed):
@@ -111,7 +111,7 @@ def test_predictive_control_keeps_the_contract():
     check_method("electronic_differential", LAW, {"controller": "predictive"}, steps=8, whole=False)
 
 
-@pytest.mark.parametrize("controller", ["pi", "lqr", "sliding_mode", "super_twisting"])
+@pytest.mark.parametrize("controller", ["pi", "lqr", "sliding_mode", "super_twisting", "suboptimal"])
 def test_a_settled_car_is_left_in_peace(controller):
     """No chatter: in the second half of 3 s the torques move by less than 1 N m from step to step."""
     torques = driven(made(controller=controller), LinearCar(20.0), 0.02, 300)
@@ -182,7 +182,9 @@ def test_wrong_friction_bounds_the_wish():
         assert law.state["wanted.yaw_rate"] == pytest.approx(held, rel=1e-3)
 
 
-@pytest.mark.parametrize(("controller", "tracking"), [("pi", 0.1), ("super_twisting", 0.1), ("pi", 10.0)])
+@pytest.mark.parametrize(
+    ("controller", "tracking"), [("pi", 0.1), ("super_twisting", 0.1), ("suboptimal", 0.1), ("pi", 10.0)]
+)
 def test_an_integral_does_not_wind_up_while_motors_saturate(controller, tracking):
     """Motors of 20 N m; 3 s of a yaw rate that is too high, then as much too low: the moment turns round in 0.3 s.
 

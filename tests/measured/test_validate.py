@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
 
+import numpy as np
 import pytest
-from measured.made_records import CAR, columns_of, driven, write
+from measured.made_records import CAR, PERIOD, columns_of, driven, write
 
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.commands.run_scenario import main
+from ev_sim.measured.open_loop import graph
+from ev_sim.recording.offline import run_offline
+from ev_sim.scenarios.scenario import Overrides
 
 
 def test_the_car_that_made_the_record_is_found_right_and_a_softer_one_wrong(tmp_path, capsys):
@@ -40,3 +46,64 @@ def test_a_record_without_what_is_imposed_is_refused(tmp_path, capsys):
     with pytest.raises(SystemExit) as ended:
         main(["validate", str(path), "--vehicle", CAR, "--out", str(tmp_path / "out")])
     assert "steering_column.state.angle" in str(ended.value)
+
+
+def test_the_torque_of_each_wheel_is_imposed_by_itself(tmp_path, capsys):
+    """A car straight ahead that only a difference of its front torques turns, and a brake at one rear wheel.
+
+    Replayed with its torques it is where it was; with those of left and right exchanged it turns the other way. What
+    has no column is zero and named; a drive torque at a wheel without a motor is refused.
+    """
+    time = np.arange(602) * PERIOD
+    torques = {
+        "drive.front_left": 60.0 - 40.0 * np.sin(2.0 * time),
+        "drive.front_right": 60.0 + 40.0 * np.sin(2.0 * time),
+        "brake.rear_left": 30.0 * (1.0 + np.sin(time)),
+    }
+    values = [("plant", "initial_speed", 20.0), ("plant", "speed", "free"), ("plant", "initial_hold", 0.0)]
+    values += [("electronic_differential", "time", time.tolist())]
+    values += [
+        ("electronic_differential", f"{kind}.{wheel}", [0.0] * 602)
+        for kind in ("drive", "brake")
+        for wheel in WHEEL_NAMES
+    ]
+    values += [("electronic_differential", name, torque.tolist()) for name, torque in torques.items()]
+    made = run_offline(graph(CAR, PERIOD, Overrides(values=values), "torques"), 6.0)
+    measured = columns_of(made) | {name: made.channels[f"torque_command.{name}"] for name in torques}
+    record = write(tmp_path, measured)
+    mapping = record.with_suffix(".yaml")
+    own = mapping.read_text()
+
+    def validated(names: dict[str, str]) -> dict[str, dict[str, float]]:
+        lines = [f"  torque_command.{name}: {{column: {column}, unit: N m}}\n" for name, column in names.items()]
+        mapping.write_text(own + "".join(lines))
+        main(
+            [
+                "validate",
+                str(record),
+                "--window",
+                "2",
+                "--impose",
+                "torques",
+                "--vehicle",
+                CAR,
+                "--no-report",
+                "--out",
+                str(tmp_path / "out"),
+            ]
+        )
+        return json.loads((tmp_path / "out" / "summary.json").read_text())["errors"]
+
+    right = validated({name: name for name in torques})
+    assert right["twist.yaw_rate"]["explained"] > 0.999
+    assert right["twist.longitudinal"]["rms"] < 0.01
+    out = capsys.readouterr().out
+    assert "taken as zero: torque_command.drive.rear_left" in out
+    (left,) = re.findall(r"do not follow.*front_left ([\d.]+) N m", out)
+    assert float(left) == pytest.approx(0.03 * 62.0, rel=0.3)  # N m: the gear keeps 3 % of what it is asked for
+    exchanged = validated(
+        {name: name.replace("left", "x").replace("right", "left").replace("x", "right") for name in list(torques)[:2]}
+    )
+    assert exchanged["twist.yaw_rate"]["explained"] < 0.0
+    with pytest.raises(SystemExit, match=r"drive\.rear_left: a torque there is refused"):
+        validated({"drive.rear_left": "drive.front_left"})

@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields
 from fnmatch import fnmatchcase
+from pathlib import Path
 from typing import Any, TypeVar
 
 import yaml
 
-from ev_core.parameters.data_file import TEXT, read_data
+from ev_core.parameters.data_file import TEXT, TextOfFile, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
 from ev_sim.measures.own_metrics import named_metrics
 from ev_sim.measures.registry import METRICS
 from ev_sim.scenarios.about import configured_file
-from ev_sim.scenarios.parameter_file import read_yaml
+from ev_sim.scenarios.parameter_file import marked, read_yaml
 from ev_sim.surfaces import SURFACES
 
 COSTS = ("handling", "energy")
 SIDES = ("left", "right")
+_ALIKE = ("method", "reference", "allocation", "estimation")  # in the closed division
 FRICTION, TOLD_FRICTION = "friction", "told_friction"  # variations that are no parameters
 T = TypeVar("T")
 
@@ -76,7 +78,8 @@ class Board:
     """All that a board declares.
 
     `reference` is the law that costs are counted against, `scales` by metric what its differences are divided by at
-    least, `unstable` the sideslip from which on a run counts as unstable [rad].
+    least, `unstable` the sideslip from which on a run counts as unstable [rad]. `closed` are the laws of the closed
+    division, which differ in their controller alone; all others are in the open one.
     """
 
     version: int
@@ -91,6 +94,7 @@ class Board:
     manoeuvres: Mapping[str, Manoeuvre]
     variations: list[Variation]
     laws: Mapping[str, Mapping[str, Any]]
+    closed: list[str] = field(default_factory=list)
     name: str = ""
 
     def cells(self, pattern: str = "*") -> list[Cell]:
@@ -117,13 +121,13 @@ def read_board(name: str) -> Board:
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise ParameterError(f"{path}: not readable as YAML: {' '.join(str(error).split())}") from None
     try:
-        whole = dict(_mapping("a board", content))
+        whole = marked("", dict(_mapping("a board", content)), path)
         manoeuvres = _mapping("manoeuvres", whole.get("manoeuvres"))
         whole["manoeuvres"] = {n: _record(Manoeuvre, f"manoeuvre {n}", m) for n, m in manoeuvres.items()}
         variations = whole.get("variations")
         whole["variations"] = [_record(Variation, "a variation", v) for v in variations or ()]
         board = _record(Board, "a board", whole | {"name": name})
-        _refuse(board)
+        _refuse(board, path)
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from None
     return board
@@ -173,11 +177,13 @@ def _is(value: Any, kind: str) -> bool:
     return isinstance(value, _KINDS[kind][1]) and not isinstance(value, bool)
 
 
-def _refuse(board: Board) -> None:
+def _refuse(board: Board, path: Path) -> None:
     """ParameterError for names that nothing declares, and for bounds that are none."""
     if not 1 <= board.draws <= 100_000:
         raise ParameterError(f"draws is {board.draws}, allowed is 1 to 100000")
     _known("reference", [board.reference], board.laws)
+    for car in board.cars:
+        configured_file("vehicle", TextOfFile.of(car.partition(":")[0], path))
     _known("layout", [car.partition(":")[2] for car in board.cars], board.layouts)
     for name, surfaces in board.roads.items():
         if not isinstance(surfaces, list) or len(surfaces) != len(SIDES):
@@ -201,6 +207,10 @@ def _refuse(board: Board) -> None:
     for name, values in board.laws.items():
         if not isinstance(values, Mapping) or "method" not in values:
             raise ParameterError(f"law {name} lacks method")
+    _known("law of closed", board.closed, board.laws)
+    alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
+    if len(alike) > 1:
+        raise ParameterError(f"closed has laws that differ in one of {', '.join(_ALIKE)}, allowed are equal ones")
 
 
 def _known(what: str, names: Sequence[str], known: Any) -> None:

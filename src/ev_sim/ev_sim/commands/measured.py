@@ -196,7 +196,7 @@ def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
         "--mapping", type=Path, metavar="FILE", help="what the columns are; default RECORD's name .yaml"
     )
     parser.add_argument(
-        "--impose", choices=tuple(IMPOSED), default="speed", help="what drives the car besides the measured angle"
+        "--impose", choices=IMPOSED, default="speed", help="what drives the car besides the measured angle"
     )
     parser.add_argument("--window", type=float, default=5.0, metavar="S", help="length of a window; default 5 s")
     parser.add_argument(
@@ -222,7 +222,7 @@ def _replay(given: argparse.Namespace, record: MeasuredRecord, windows: Windows)
         raise ParameterError("--duration is refused: a replay lasts as long as its windows, allowed is --window")
     if given.vehicle is None:
         raise ParameterError("--vehicle is missing: which car?")
-    configurations = graph(given.vehicle, record.period, overrides(given))
+    configurations = graph(given.vehicle, record.period, overrides(given), given.impose)
     return OpenLoop(record, windows, configurations, signals_to_show(), given.impose)
 
 

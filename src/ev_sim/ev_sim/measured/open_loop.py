@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,13 +35,9 @@ COMPARED = {
 }
 HOLD = 0.2  # [s], ten times the lag of the loads: wheels, carcasses and loads settle while the body is held
 LEAD = 1.0  # [s] that a car drives ahead of a window whose lateral velocity nobody has measured, to have its own
-_DRIVE, _BRAKE = "driver.command.drive_torque", "driver.command.brake_torque"
-# What is imposed besides the angle, and the channels that have it; those of the wheels are added up.
-IMPOSED: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
-    "speed": ((), ()),
-    "pedals": ((_DRIVE,), (_BRAKE,)),
-    "torques": tuple([f"torque_command.{kind}.{wheel}" for wheel in WHEEL_NAMES] for kind in ("drive", "brake")),
-}
+IMPOSED = ("speed", "pedals", "torques")  # besides the angle
+_TORQUES = str(Path(__file__).with_name("imposed_torques.py"))
+_PEDALS = {kind: f"driver.command.{kind}_torque" for kind in ("drive", "brake")}
 
 
 @dataclass(frozen=True)
@@ -95,8 +92,10 @@ _OWN: Mapping[str, Mapping[str, Any]] = {
 ROLES_OF_REPLAY = tuple(_OWN)
 
 
-def graph(vehicle: str, period: float, changed: Overrides | None = None) -> dict[str, Configuration]:
-    """A car whose speed and road-wheel angle are imposed, and what the graph needs besides, which stays at rest.
+def graph(
+    vehicle: str, period: float, changed: Overrides | None = None, imposed: str = "speed"
+) -> dict[str, Configuration]:
+    """A car whose road-wheel angle is imposed and what `imposed` names, and what the graph needs besides, at rest.
 
     `vehicle` is a name or a path. ParameterError, in one line, for what is refused.
     """
@@ -108,6 +107,8 @@ def graph(vehicle: str, period: float, changed: Overrides | None = None) -> dict
     configurations = {}
     for role, own in _OWN.items():
         values = {"control_period": period, **own}
+        if role == "electronic_differential" and imposed == "torques":
+            values["method"] = _TORQUES
         for file in files:
             values |= file.values_for(f"/ev/{role}")
         values |= {key: value for node, key, value in changed.values if node in ("*", role)}
@@ -122,10 +123,10 @@ def graph(vehicle: str, period: float, changed: Overrides | None = None) -> dict
 class OpenLoop:
     """Replays windows of a record for any number of cars at once.
 
-    The car is driven as the record was: road-wheel angle and, by `imposed`, longitudinal velocity, pedals or the sum of
-    the wheel torques. Velocities and yaw rate are those that were measured when the window begins, all else follows. A
-    car whose lateral velocity was not measured begins `LEAD` before the window without any. ParameterError if the
-    record lacks what is imposed.
+    The car is driven as the record was: road-wheel angle and, by `imposed`, longitudinal velocity, pedals or the torque
+    of each wheel. Velocities and yaw rate are those that were measured when the window begins, all else follows. A
+    car whose lateral velocity was not measured begins `LEAD` before the window without any. `notes` has what was
+    made of the torques. ParameterError if the record lacks what is imposed.
     """
 
     def __init__(
@@ -159,11 +160,19 @@ class OpenLoop:
             "steering_column.time": [time] * len(windows),
             "steering_column.angle": self._angle()[ahead].tolist(),
         }
-        for name, channels in zip(("drive", "brake"), IMPOSED[imposed], strict=True):
-            if channels:
-                total = np.sum([record[channel] for channel in channels], axis=0)
-                self._fixed["driver.pedals.time"] = [time] * len(windows)
-                self._fixed[f"driver.pedals.{name}_torque"] = total[ahead].tolist()
+        self.notes: tuple[str, ...] = ()
+        self.driven_one_by_one: dict[str, np.ndarray] = {}  # by driven wheel the torque [N m], (windows, size)
+        if imposed == "pedals":
+            self._fixed["driver.pedals.time"] = [time] * len(windows)
+            for kind, channel in _PEDALS.items():
+                self._fixed[f"driver.pedals.{kind}_torque"] = self._torque(channel)[ahead].tolist()
+        elif imposed == "torques":
+            self._fixed["electronic_differential.time"] = [time] * len(windows)
+            torques = self._wheel_torques()
+            for name, torque in torques.items():
+                self._fixed[f"electronic_differential.{name}"] = torque[ahead].tolist()
+            driven = configurations["plant"].common.vehicle.driven_wheels
+            self.driven_one_by_one = {wheel: windows.of(torques[f"drive.{wheel}"]) for wheel in driven}
         self._duration = time[-1]
 
     def _angle(self) -> np.ndarray:
@@ -171,6 +180,26 @@ class OpenLoop:
             return self.record[ROAD_WHEEL_ANGLE]
         ratio = self.configurations["plant"].common.vehicle.steering_ratio
         return self.record[STEERING_WHEEL_ANGLE] / ratio
+
+    def _wheel_torques(self) -> dict[str, np.ndarray]:
+        """By KIND.WHEEL the torque [N m]; none where the record has none, of which a note is made."""
+        channels = {f"{kind}.{wheel}": f"torque_command.{kind}.{wheel}" for kind in _PEDALS for wheel in WHEEL_NAMES}
+        missing = [channel for channel in channels.values() if channel not in self.record.channels]
+        if len(missing) == len(channels):
+            raise ParameterError(f"{self.record.source} has no wheel torque, allowed is any of {', '.join(missing)}")
+        if missing:
+            self.notes += (f"not in the record and taken as zero: {', '.join(missing)}",)
+        none = np.zeros(len(self.record.valid))
+        return {n: none if channel in missing else self._torque(channel) for n, channel in channels.items()}
+
+    def _torque(self, channel: str) -> np.ndarray:
+        """A channel [N m]; a brake never drives, so what its sensor has below zero is none, of which a note is made."""
+        torque = self.record[channel]
+        low = float(torque.min())
+        if ".brake" not in channel or low >= 0.0:
+            return torque
+        self.notes += (f"{channel} is below zero, down to {low:.4g} N m: taken as zero there",)
+        return np.maximum(torque, 0.0)
 
     @property
     def compared(self) -> list[str]:

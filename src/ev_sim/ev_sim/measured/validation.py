@@ -26,6 +26,7 @@ from ev_sim.report.tables import text_table
 _FORCES = [
     f"tire_forces.{kind}.{wheel}" for kind in ("longitudinal_force", "lateral_force", "load") for wheel in WHEEL_NAMES
 ]
+_EFFORT = "wheel_states.effort."
 _SHOWN = 3  # windows of which the worst are drawn, with what the tyres do there
 FILES = (SUMMARY, SIGNALS, PAGE, "over_time.png", "worst.png")
 
@@ -78,9 +79,9 @@ class Validation:
         return self.replay.record.time[self.replay.windows.first]
 
     def notes(self) -> tuple[str, ...]:
-        """What was masked, and the windows that left the record, with why."""
+        """What was masked or made of inputs, and the windows that left the record, with why."""
         record = self.replay.record
-        found = list(record.notes)
+        found = [*record.notes, *self.replay.notes, *self._not_followed()]
         for window in np.flatnonzero(self.spun):
             used = self.friction_used[:, window].mean(axis=1)
             wheel = int(np.nanargmax(used)) if np.isfinite(used).any() else 0
@@ -90,6 +91,15 @@ class Validation:
                 f"{speed.max():.0f} m/s: {WHEEL_NAMES[wheel]} uses {used[wheel]:.2f} of its load on average"
             )
         return tuple(found)
+
+    def _not_followed(self) -> list[str]:
+        """By how much drives with lag, limits and losses miss the measured torques that they were asked for."""
+        wheels = self.replay.driven_one_by_one
+        if not wheels:
+            return []
+        rms = [float(np.sqrt(np.nanmean((self.simulated[_EFFORT + w] - asked) ** 2))) for w, asked in wheels.items()]
+        each = ", ".join(f"{w} {r:.3g} N m" for w, r in zip(wheels, rms, strict=True))
+        return [f"RMS of what the simulated drives do not follow of the measured torques: {each}"]
 
     def table(self) -> str:
         """What the terminal shows: by signal the errors, those of the median window and those by range."""
@@ -212,7 +222,7 @@ def _panel(title: str, signal: str, time: np.ndarray, values: Mapping[str, np.nd
 
 def signals_to_show() -> Sequence[str]:
     """What a validation has to simulate."""
-    return [n for n in COMPARED if n != SIDESLIP] + _FORCES
+    return [n for n in COMPARED if n != SIDESLIP] + _FORCES + [_EFFORT + wheel for wheel in WHEEL_NAMES]
 
 
 def _cells(errors: Errors, unit: str) -> list[str]:

@@ -101,7 +101,7 @@ class ParameterFile:
                 shown = repr(named(pattern))
                 raise ParameterError(f"{self.path}: section {shown} does not hold '{_SECTION}:' with parameters")
             values = flattened(section[_SECTION])
-            yield str(pattern), {name: _marked(name, value, self.path) for name, value in values}
+            yield str(pattern), {name: marked(name, value, self.path) for name, value in values}
 
     def names(self) -> set[str]:
         """The dotted names in all sections."""
@@ -138,10 +138,12 @@ def matches(pattern: str, node: str) -> bool:
 _ARE_FILES = re.compile(r"(.*\.)?(\w+_)?(file|database|vehicle|method)")  # parameters that may name a file
 
 
-def _marked(name: str, value: Any, file: Path) -> Any:
+def marked(name: str, value: Any, file: Path) -> Any:
     """A value whose texts know that they come from a file, and first mean files beside it."""
+    if isinstance(value, dict):
+        return {key: marked(str(key), each, file) for key, each in value.items()}
     if isinstance(value, list):
-        return [_marked(name, each, file) for each in value]
+        return [marked(name, each, file) for each in value]
     if not isinstance(value, str):
         return value
     beside = file.parent.absolute() / value
