@@ -1,4 +1,4 @@
-"""Compile what every run needs, while the workspace is built: what it imports to bytecode, what steps its nodes by numba.
+"""Compile what every run needs, while the workspace is built: its imports to bytecode, what steps its nodes by numba.
 
 What one scenario alone needs, such as its laws, its first run compiles.
 """
