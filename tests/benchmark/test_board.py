@@ -15,7 +15,9 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import read_board
 from ev_sim.benchmark.driving import drawn, drive_cell, graph_of, values_of
 from ev_sim.benchmark.result import BoardResult
+from ev_sim.benchmark.tables import closed_division, law_rows, score_rows
 from ev_sim.command_line.options import arguments, overrides
+from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.commands.run_scenario import main
 from ev_sim.measures.own_metrics import named_metrics
 from ev_sim.measures.registry import driven_run
@@ -63,7 +65,12 @@ def test_the_reference_costs_one_and_the_control_lowers_the_energy_of_a_step(res
     assert (result.costs["handling"][0] == 1.0).all()
     assert result.scores["energy"][1].value < 0.99
     assert not result.unstable.any()
-    assert [row[0] for row in result.rows()] == ["equal_torque", "pi"]
+    assert [row[0] for row in score_rows(result, LAWS)] == ["equal_torque", "pi"]
+    assert closed_division(result) == []
+    ((law, handling, energy, wins, breaks),) = law_rows(result)
+    assert (law, wins) == ("pi", "nowhere")
+    assert (handling.split()[0], energy.split()[0]) == ("0", "100")
+    assert breaks.startswith("layout_1_8_c:all:step_steer:wet: ")
 
 
 def test_twice_gives_equal_bits_with_other_laws_and_threads(result: BoardResult):
@@ -78,7 +85,8 @@ def test_the_command_of_a_run_drives_it_again(result: BoardResult):
     words = shlex.split(result.cells[0].commands["pi"][1])
     assert words[0] == "scripts/run.sh"
     given = arguments([*words[1:], "--offline"])
-    run = load_scenario(given.scenario, overrides(given), only=["left"]).runs[0]
+    run = load_scenario(given.scenario, overrides(given), given.run).runs[0]
+    assert (run.name, len(given.run)) == ("left", 1)
     motion = true_motion(run_offline(run.configurations, run.duration), run.configurations)
     for name, metric in named_metrics(SMALL.manoeuvres["step_steer"].metrics).items():
         assert metric.measured(driven_run(motion, run.configurations)).value == result.cells[0].metrics["pi"][name][1]
@@ -88,10 +96,40 @@ def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
     main(["benchmark", "--cells", STEP, "--laws", "pi", "--draws", "1", "--out", str(tmp_path)])
     board, runs = (json.loads((tmp_path / f"{name}.json").read_text()) for name in ("board", "runs"))
     assert [each["law"] for each in runs["runs"]] == LAWS
+    assert len(board["profiles"]["pi"]["energy"]["low"]) == len(board["profiles"]["cost"])
+    assert board["probability_of_improvement"]["pi"]["equal_torque"]["energy"]["value"] == 1.0
+    assert (tmp_path / "board.png").stat().st_size > 10_000
     assert set(board["scores"]["pi"]) == {"handling", "worst tenth", "energy", "unstable"}
     printed = capsys.readouterr().out
     assert f"hash of all runs {board['hash']}" in printed
-    assert f"scripts/run.sh benchmark small --cells '{STEP}:v1'" in printed
+    assert f"scripts/run.sh benchmark small --draws 1 --cells '{STEP}:v1' --drive equal_torque:0" in printed
+
+
+@pytest.mark.parametrize("way", ["--offline", "--in-process"])
+def test_the_command_beside_a_cell_gives_the_hash_of_the_board(
+    result: BoardResult, way: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    """Whatever drives the run: the batch of the board, the offline runner, nodes in one process over DDS."""
+    (expected,) = [run["signal_hash"] for run in result.runs() if (run["law"], run["draw"]) == ("pi", 1)]
+    words = shlex.split(replace(result, words=["benchmark", "small", "--draws", "3"]).once_more(0, 1, 1))
+    assert words[:2] == ["scripts/run.sh", "benchmark"]
+    main([*words[1:], way, "--no-report", "--out", str(tmp_path)])
+    assert f"signal hash {expected}\n" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["--drive", "pi:10"], "--drive 'pi:10' is refused, allowed is LAW:DRAW with a draw from 0 to 9"),
+        (["--drive", "none:1"], "unknown law 'none'"),
+        (["--drive", "pi:1"], "--drive is for one cell, 36 fit '*'; allowed is --cells ID"),
+        (["--offline"], "--offline and --in-process are refused: a board is driven in batches, allowed with --drive"),
+    ],
+)
+def test_what_cannot_be_driven_alone_is_one_line(words: list[str], line: str):
+    with pytest.raises(ParameterError) as refused:
+        run_benchmark(words)
+    assert str(refused.value).startswith(line)
 
 
 @pytest.mark.parametrize(
@@ -117,6 +155,7 @@ def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
         ("peak_slip: 0.02", "peak_slip: 0", "scales lacks a number above 0 for peak_slip of launch"),
         ("factor: [1.0, 1.2]", "factor: [1.2, 1.0]", "variation of *.vehicle.mass has the bounds [1.2, 1.0]"),
         ("{method: load_proportional}", "{}", "law load_proportional lacks method"),
+        ("closed: [pi,", "closed: [pi_neutral,", "closed has laws that differ in one of method, reference,"),
     ],
 )
 def test_what_is_wrong_in_a_board_is_one_line(tmp_path: Path, old: str, new: str, line: str):

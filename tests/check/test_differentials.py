@@ -51,7 +51,7 @@ CHOICES: dict[str, tuple[dict, ...]] = {
             "estimation": "estimated",
             **REAR_DRIVEN,
         },
-        {"controller": "suboptimal"},
+        {"controller": "suboptimal", "estimation": "estimated", **ALL_DRIVEN},
     ),
     "drive_by_wire": ({"gain": 20.0, "brake.front_share": 0.3}, ALL_DRIVEN),
     "equal_torque": ({"vehicle.driven_wheels": ["rear_left"]}, ALL_DRIVEN),

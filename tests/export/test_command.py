@@ -45,6 +45,16 @@ def test_the_line_of_the_readme_links_the_program(folder):
     assert answer[:4] == bytes(4)  # created, without complaint
 
 
+@pytest.mark.skipif(not shutil.which("x86_64-w64-mingw32-gcc"), reason="x86_64-w64-mingw32-gcc is not installed")
+def test_the_line_of_the_readme_links_the_program_of_another_system(tmp_path):
+    perform([*LAW, "--target", "x86_64-windows", "--out", str(tmp_path)])
+    (line,) = re.findall(r"^\S+-gcc .*$", (tmp_path / "README.md").read_text(), re.MULTILINE)
+    subprocess.run(line, shell=True, cwd=tmp_path, check=True)
+    program = (tmp_path / "program.exe").read_bytes()
+    assert b"KERNEL32.dll" in program
+    assert b"libwinpthread" not in program  # else it would need that file beside it
+
+
 def test_the_library_calls_nothing_but_what_is_listed(folder, tmp_path):
     """Of the whole archive, as the linker sees it: memset and what scales exponents, no heap, no file, no Python."""
     archive = next(folder.glob("*.a"))

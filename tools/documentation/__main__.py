@@ -7,8 +7,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from documentation.benchmark_board import IMAGE, board_tables, drive_small
 from documentation.benchmark_board import PAGE as BENCHMARK
-from documentation.benchmark_board import board_tables, drive_small
 from documentation.hashes import HASHES, all_hashes, changes, hash_table, published_hashes
 from documentation.law_costs import BLOCK as LAW_COSTS
 from documentation.law_costs import NATIVE, law_table
@@ -47,6 +47,8 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
     from pictures.writing import save_pictures
 
     from documentation import results, scenario_results
+    from documentation.images import save_small
+    from ev_sim.benchmark.drawing import board_sheet
 
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)
@@ -71,7 +73,9 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
         _write(root / SHCHUR, texts)
         results.save_images(driven, images)
     if BENCHMARK in wanted:
-        _write(root / BENCHMARK, board_tables(drive_small()))
+        board = drive_small()
+        _write(root / BENCHMARK, board_tables(board))
+        save_small({IMAGE: board_sheet(board)}, images)
     if any(name in wanted for name in NAMES):
         write_verdicts(root, wanted)
     for name, page in scenario_results.SCENARIO_PAGES.items():

@@ -58,7 +58,8 @@ def adhesion_limit(
     lever = load * car.wheel_radius
     used = road_torque(car, motion) / lever if lever > 0.0 else 0.0  # without any load there is nothing to use
     used = follow(w.used, used, filter_share(period, p.filter_time))
-    w.friction = friction_estimate.learnt_friction(p, w.friction, used, slip_of(motion, p.slowest), period)
+    slips = slip_of(motion, p.slowest) > p.learning_slip
+    w.friction = friction_estimate.learnt_friction(p, w.friction, used, slips, period)
     return p.use * w.friction * lever / car.motor.gear_efficiency
 
 

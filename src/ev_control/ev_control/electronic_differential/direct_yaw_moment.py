@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.friction_estimate import unknown_road
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, split, split_brake
 from ev_control.shared.torque_split import KNOWN_BY, differential
 from ev_control.torque_vectoring.integral import MomentIntegral, follow_saturation
@@ -14,6 +13,7 @@ from ev_control.torque_vectoring.known_motion import (
     KnownMotionState,
     is_known,
     known_motion,
+    unknown_motion,
 )
 from ev_control.torque_vectoring.lqr import NO_GAINS, Gains, LQRParameters, lqr_gains, lqr_moment
 from ev_control.torque_vectoring.pi import PIParameters, pi_moment
@@ -127,7 +127,7 @@ def prepare(parameters: DirectYawMomentParameters, vehicle: Vehicle, period: flo
     "direct_yaw_moment",
     DirectYawMomentParameters,
     state=DirectYawMomentState,
-    start=lambda p: DirectYawMomentState(known=KnownMotionState(unknown_road(p.known.friction))),
+    start=lambda p: DirectYawMomentState(known=unknown_motion(p.known)),
     prepare=prepare,
     needs=(an_axle_with_motors,),
 )

@@ -30,13 +30,13 @@ class FrictionLearningParameters:
 
 
 @compilable
-def learnt_friction(p: FrictionLearningParameters, friction: float, used: float, slip: float, period: float) -> float:
-    """The friction to believe in after a period [s], by the one before, the filtered one in use and the slip [1].
+def learnt_friction(p: FrictionLearningParameters, friction: float, used: float, slips: bool, period: float) -> float:
+    """The friction to believe in after a period [s], by the one before and the filtered one in use [1].
 
     A wheel that slips shows the friction of the road; of one that grips only a value that slowly rises is known:
     a saw tooth, which finds a better road only after a while, and a worse one by slipping.
     """
-    if slip > p.learning_slip:
+    if slips:
         return min(max(used, 0.0), p.largest_friction)
     return min(friction + p.rise * period, p.largest_friction)
 
@@ -96,7 +96,7 @@ def estimated_friction(
             road = wheels.effort[i] - car.driven_wheel_inertia[i] * gained / period
             s.used[i] += share * (direction * road / (load[i] * radius) - s.used[i])
             slip = direction * (velocity[i] - rolling[i]) / max(abs(velocity[i]), p.slowest)
-            s.friction[i] = learnt_friction(p, s.friction[i], s.used[i], slip, period)
+            s.friction[i] = learnt_friction(p, s.friction[i], s.used[i], slip > p.learning_slip, period)
     s.velocity[:] = velocity
     s.known = 1.0
     return Wheels(s.friction[0], s.friction[1], s.friction[2], s.friction[3])

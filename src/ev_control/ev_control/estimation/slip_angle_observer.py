@@ -83,7 +83,7 @@ def observed_slip_angles(
     reverses = (speeds[0] + speeds[1]) + (speeds[2] + speeds[3]) <= -4.0 * p.slowest
     braking = driver.brake_torque > 0.0 or (driver.drive_torque > 0.0 if reverses else driver.drive_torque < 0.0)
     u = most if braking != reverses else least
-    return slip_angles_at(p, car, s, period, u, imu.lateral_acceleration, r, delta)
+    return slip_angles_at(p, car, s, period, p.kinematic_share, u, imu.lateral_acceleration, r, delta)
 
 
 @compilable
@@ -92,14 +92,15 @@ def slip_angles_at(
     car: Car,
     s: SlipAngleObserverState,
     period: float,
+    kinematic_share: float,
     speed: float,
     lateral_acceleration: float,
     yaw_rate: float,
     road_wheel_angle: float,
 ) -> SlipAngles:
-    """The same at a speed of the car that is known [m/s]; accelerations in m/s^2, yaw rate in rad/s, angle in rad."""
+    """The same with a weight w of one's own [1] and a known speed of the car [m/s]; the rest in SI units."""
     ahead = -1.0 if speed <= -p.slowest else 1.0
-    u, r, delta, w = max(abs(speed), p.slowest), yaw_rate, ahead * road_wheel_angle, p.kinematic_share
+    u, r, delta, w = max(abs(speed), p.slowest), yaw_rate, ahead * road_wheel_angle, kinematic_share
     b = car.centre_of_mass_to_rear_axle
     front, rear = p.front_cornering_stiffness / car.mass, p.rear_cornering_stiffness / car.mass
     at_rest = front * (delta - (car.wheelbase - b) * r / u) + rear * b * r / u
@@ -154,9 +155,8 @@ def slip_angle_of(
     """Estimated slip angle of the wheel's axle [rad], counted only forwards; in reverse it is zero."""
     if motion.ahead < 0.0:
         return 0.0
-    angles = slip_angles_at(
-        p, car, s, period, motion.car_speed, motion.lateral_acceleration, motion.yaw_rate, motion.road_wheel_angle
-    )
+    u, a_y, delta = motion.car_speed, motion.lateral_acceleration, motion.road_wheel_angle
+    angles = slip_angles_at(p, car, s, period, p.kinematic_share, u, a_y, motion.yaw_rate, delta)
     return angles.front if motion.place < FRONT_WHEELS else angles.rear
 
 

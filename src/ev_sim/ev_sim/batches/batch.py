@@ -217,13 +217,15 @@ class BatchResult:
 
     `metrics`: by name one number for each run, (runs,), NaN where it cannot be measured. `signals`: by channel the
     samples of each run at the instants `time` [s], (runs, samples). `failed`: by number of the run what was not finite
-    and when; such a run has stopped there, its metrics and what would have come later are NaN.
+    and when; such a run has stopped there, its metrics and what would have come later are NaN. `hashes`: the signal
+    hash of each run if asked for, empty where it has failed.
     """
 
     metrics: Mapping[str, np.ndarray]
     signals: Mapping[str, np.ndarray]
     time: np.ndarray
     failed: Mapping[int, str]
+    hashes: Sequence[str] = ()
 
     def __repr__(self) -> str:
         kept = ", ".join(f"{name} {np.shape(values)}" for name, values in {**self.metrics, **self.signals}.items())
@@ -241,15 +243,16 @@ def batch(
     every: int = 1,
     metrics: Mapping[str, Reduction] | Sequence[str] | None = None,
     threads: int | None = None,
+    hashes: bool = False,
 ) -> BatchResult:
     """Drive runs of a graph from rest to `duration` [s], as `run_offline` does each of them.
 
     `vary` has by ROLE.PARAMETER, or *.PARAMETER for all roles, one value for each run; `initial_states` by role one row
     of the method's state for each run, (runs, size). Each run keeps the channels in `signals` at every `every`-th
     period, and `metrics`: reductions of channels over all periods by name, gathered in the compiled loop (`observer`),
-    or texts as in the file of a scenario, computed from the true motion (`measures.expression`). Without `threads`
-    there are as many as cores. ParameterError if a name or value is refused, if the roles do not fit together, if a
-    method runs in plain Python only, all before anything runs, or if a method cannot be made with the values of a run.
+    or texts as in the file of a scenario, computed from the true motion (`measures.expression`), and its signal hash if
+    asked to. Without `threads` there are as many as cores. ParameterError if a name or value is refused, if roles do
+    not fit together, if a method is plain Python, all before anything runs, or if a run's values make no method.
     """
     check_graph(configurations)
     reductions, texts = (metrics, ()) if isinstance(metrics, Mapping) else ({}, metrics or ())
@@ -266,7 +269,7 @@ def batch(
     if not len(times):
         raise ParameterError(f"duration: {duration!r} is refused, allowed is 0 s or more")
     observation = Observation(signals, every, tuple(reductions.values()), variation.runs, len(times))
-    measures = WholeRuns(texts, configurations, variation.runs, times) if texts else None
+    measures = WholeRuns(texts, configurations, variation.runs, times, hashes) if texts or hashes else None
     runs = Runs(configurations, variation, states, observation, times, measures)
     workers = threads or len(os.sched_getaffinity(0))
     with ThreadPoolExecutor(workers) as pool:
@@ -285,6 +288,7 @@ def batch(
         observation.signals(),
         times[::every],
         failed,
+        measures.hashes if measures else (),
     )
 
 

@@ -20,6 +20,7 @@ from ev_sim.surfaces import SURFACES
 
 COSTS = ("handling", "energy")
 SIDES = ("left", "right")
+_ALIKE = ("method", "reference", "allocation", "estimation")  # in the closed division
 FRICTION, TOLD_FRICTION = "friction", "told_friction"  # variations that are no parameters
 T = TypeVar("T")
 
@@ -77,7 +78,8 @@ class Board:
     """All that a board declares.
 
     `reference` is the law that costs are counted against, `scales` by metric what its differences are divided by at
-    least, `unstable` the sideslip from which on a run counts as unstable [rad].
+    least, `unstable` the sideslip from which on a run counts as unstable [rad]. `closed` are the laws of the closed
+    division, which differ in their controller alone; all others are in the open one.
     """
 
     version: int
@@ -92,6 +94,7 @@ class Board:
     manoeuvres: Mapping[str, Manoeuvre]
     variations: list[Variation]
     laws: Mapping[str, Mapping[str, Any]]
+    closed: list[str] = field(default_factory=list)
     name: str = ""
 
     def cells(self, pattern: str = "*") -> list[Cell]:
@@ -204,6 +207,10 @@ def _refuse(board: Board, path: Path) -> None:
     for name, values in board.laws.items():
         if not isinstance(values, Mapping) or "method" not in values:
             raise ParameterError(f"law {name} lacks method")
+    _known("law of closed", board.closed, board.laws)
+    alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
+    if len(alike) > 1:
+        raise ParameterError(f"closed has laws that differ in one of {', '.join(_ALIKE)}, allowed are equal ones")
 
 
 def _known(what: str, names: Sequence[str], known: Any) -> None:

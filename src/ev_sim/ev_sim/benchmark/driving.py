@@ -7,6 +7,7 @@ import shlex
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.batch import EVERY_ROLE, batch
 from ev_sim.benchmark.board import FRICTION, SIDES, TOLD_FRICTION, Board, Cell
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
+from ev_sim.recording.recording import combined_hash
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.surfaces import SURFACES
 
@@ -36,33 +38,58 @@ class Draws:
 
 
 @dataclass(frozen=True)
+class LawInCell:
+    """All runs of a law in a cell: its graph, what varies, and by ROLE.PARAMETER what has the same value in all."""
+
+    configurations: Mapping[str, Configuration]
+    vary: Mapping[str, Sequence[Any]]
+    fixed: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
 class DrivenCell:
-    """The metrics of a cell: by law and name one number for each draw; NaN where there is none."""
+    """What was measured in a cell: by law and name one number for each draw, NaN where there is none.
+
+    `commands` and `hashes` have by law for each draw the line that drives it alone, and the signal hash that this line
+    gives, empty where a number is not finite.
+    """
 
     cell: Cell
     metrics: Mapping[str, Mapping[str, np.ndarray]]
     commands: Mapping[str, Sequence[str]]
+    hashes: Mapping[str, Sequence[str]]
 
 
 def drive_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | None = None) -> DrivenCell:
     """Drive all draws of a cell with each law; ParameterError for what the file of the board gets wrong."""
+    manoeuvre, name = board.manoeuvres[cell.manoeuvre], run_name(board, cell)
+    measured, commands, hashes = {}, {}, {}
+    for law, runs in laws_in_cell(board, cell, laws).items():
+        found = batch(
+            runs.configurations,
+            manoeuvre.duration,
+            runs.vary,
+            metrics=manoeuvre.metrics,
+            threads=threads,
+            hashes=True,
+        )
+        measured[law] = found.metrics
+        commands[law] = [shlex.join(words_of(board, cell, runs, draw)) for draw in range(board.draws)]
+        hashes[law] = [each and combined_hash({name: each}) for each in found.hashes]
+    return DrivenCell(cell, measured, commands, hashes)
+
+
+def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str]) -> dict[str, LawInCell]:
+    """By law its runs in a cell, with the same draws for all; ParameterError for what the board's file gets wrong."""
     fixed = values_of(board, cell)
     base = graph_of(board, cell, fixed)
-    draws = drawn(board, cell, base)
-    measured, commands = {}, {}
+    draws, found = drawn(board, cell, base), {}
     for law in laws:
         configurations = {**base, ROLE: law_of(board, law, base[ROLE])}
-        own = own_draws(configurations[ROLE], draws)
-        manoeuvre = board.manoeuvres[cell.manoeuvre]
-        vary = {**draws.values, **own}
-        found = batch(configurations, manoeuvre.duration, vary, metrics=manoeuvre.metrics, threads=threads)
-        measured[law] = found.metrics
-        told = {**fixed, **{f"{ROLE}.{name}": value for name, value in law_values(board, law, base[ROLE]).items()}}
-        commands[law] = [
-            command(board, cell, {**told, **{name: column[n] for name, column in vary.items()}})
-            for n in range(board.draws)
-        ]
-    return DrivenCell(cell, measured, commands)
+        of_law = {f"{ROLE}.{name}": value for name, value in law_values(board, law, base[ROLE]).items()}
+        vary = {**draws.values, **own_draws(configurations[ROLE], draws)}
+        found[law] = LawInCell(configurations, vary, {**fixed, **of_law})
+    return found
 
 
 def values_of(board: Board, cell: Cell) -> dict[str, Any]:
@@ -83,6 +110,12 @@ def _surfaces(board: Board, cell: Cell, factor: float) -> dict[str, list[float]]
         "own_c3": [factor * side.c3 for side in sides],
         "own_rolling_resistance": [side.rolling_resistance for side in sides],
     }
+
+
+def run_name(board: Board, cell: Cell) -> str:
+    """The name of the run that is driven in a cell."""
+    manoeuvre = board.manoeuvres[cell.manoeuvre]
+    return manoeuvre.run or Path(manoeuvre.scenario).stem
 
 
 def graph_of(board: Board, cell: Cell, values: Mapping[str, Any]) -> Mapping[str, Configuration]:
@@ -151,11 +184,11 @@ def own_draws(law: Configuration, draws: Draws) -> dict[str, Sequence[float]]:
     return {f"{ROLE}.{name}": draws.told for name in BELIEF if name in known}
 
 
-def command(board: Board, cell: Cell, values: Mapping[str, Any]) -> str:
-    """The line that drives a run anew, over DDS, or with --offline without; of a scenario with several runs all."""
+def words_of(board: Board, cell: Cell, runs: LawInCell, draw: int) -> list[str]:
+    """The words that drive a run alone: over DDS, or with --offline or --in-process behind them another way."""
     manoeuvre = board.manoeuvres[cell.manoeuvre]
-    words = ["scripts/run.sh", manoeuvre.scenario, "--vehicle", cell.car.partition(":")[0]]
-    words += ["--duration", repr(manoeuvre.duration)]
-    for name, value in values.items():
+    words = ["scripts/run.sh", manoeuvre.scenario, *(["--run", manoeuvre.run] if manoeuvre.run else [])]
+    words += ["--vehicle", cell.car.partition(":")[0], "--duration", repr(manoeuvre.duration)]
+    for name, value in {**runs.fixed, **{name: column[draw] for name, column in runs.vary.items()}}.items():
         words += ["--set", f"{name}={json.dumps(value)}"]
-    return shlex.join(words)
+    return words

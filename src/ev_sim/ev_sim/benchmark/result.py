@@ -1,4 +1,4 @@
-"""What a board has given: rows of all runs, scores of all laws, and tables of both."""
+"""What a board has given: scores of all laws, records of all runs, and all that is written of them."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from typing import Any
 import numpy as np
 
 from ev_sim.benchmark.board import COSTS, Board
+from ev_sim.benchmark.distributions import COSTS_SHOWN, Estimate, improvement, performance_profiles
 from ev_sim.benchmark.driving import DrivenCell
 from ev_sim.benchmark.scores import Score, costs_of, interquartile_mean, scores, tail_mean
-
-COLUMNS = ("law", "handling", "rank", "worst tenth", "rank", "energy", "rank", "unstable [%]")
-CELL_COLUMNS = ("cell", *(f"{cost}: {which}" for cost in COSTS for which in ("best", "cost")), "once more")
+from ev_sim.command_line.options import command_of
 
 
 @dataclass(frozen=True)
 class BoardResult:
-    """A board, the laws and cells of it that were driven, in this order."""
+    """A board, the laws and cells of it that were driven, in this order; `words` of the command that drives a cell."""
 
     board: Board
     laws: Sequence[str]
     cells: Sequence[DrivenCell]
+    words: Sequence[str] = ()
 
     @cached_property
     def unstable(self) -> np.ndarray:
@@ -47,41 +47,41 @@ class BoardResult:
         return {cost: np.stack(each, axis=1) for cost, each in found.items()}
 
     @cached_property
+    def middles(self) -> dict[str, np.ndarray]:
+        """By cost the interquartile mean of each law in each cell, (laws, cells)."""
+        return {cost: interquartile_mean(of) for cost, of in self.costs.items()}
+
+    @cached_property
     def scores(self) -> dict[str, list[Score]]:
         """By what counts a score of each law: middle half and worst tenth of handling, middle half of energy."""
-        seed = self.board.seed
+        return self.scores_among(range(len(self.laws)))
+
+    @cached_property
+    def profiles(self) -> dict[str, Estimate]:
+        """By cost the performance profile of each law, (laws, costs shown)."""
+        return {cost: performance_profiles(of, self.board.seed) for cost, of in self.costs.items()}
+
+    @cached_property
+    def improvement(self) -> dict[str, Estimate]:
+        """By cost the probability that a law is better than another one, (laws, laws)."""
+        return {cost: improvement(of, self.board.seed) for cost, of in self.costs.items()}
+
+    def scores_among(self, laws: Sequence[int]) -> dict[str, list[Score]]:
+        """The scores of some laws, ranked among themselves."""
+        costs, seed = {cost: of[list(laws)] for cost, of in self.costs.items()}, self.board.seed
         return {
-            "handling": scores(self.costs["handling"], interquartile_mean, seed),
-            "worst tenth": scores(self.costs["handling"], tail_mean, seed),
-            "energy": scores(self.costs["energy"], interquartile_mean, seed),
+            "handling": scores(costs["handling"], interquartile_mean, seed),
+            "worst tenth": scores(costs["handling"], tail_mean, seed),
+            "energy": scores(costs["energy"], interquartile_mean, seed),
         }
 
-    def rows(self) -> list[list[str]]:
-        """A row for each law below COLUMNS, the best handling first."""
-        order = sorted(range(len(self.laws)), key=lambda i: (self.scores["handling"][i].rank, i))
-        return [
-            [
-                self.laws[i],
-                *(text for each in self.scores.values() for text in _in_words(each[i])),
-                f"{100.0 * self.unstable[i].mean():.1f}",
-            ]
-            for i in order
-        ]
-
-    def cell_rows(self) -> list[list[str]]:
-        """A row for each cell below CELL_COLUMNS: the law with the least middle cost, and how to repeat it."""
-        rows = []
-        for n, cell in enumerate(self.cells):
-            row = [cell.cell.id("*")]
-            for cost in COSTS:
-                middle = interquartile_mean(self.costs[cost][:, n])
-                best = int(np.argmin(middle))
-                row += [self.laws[best], f"{middle[best]:.2f}"]
-            rows.append([*row, f"scripts/run.sh benchmark {self.board.name} --cells '{cell.cell.id('*')}'"])
-        return rows
+    def once_more(self, cell: int, law: int, draw: int) -> str:
+        """The line that drives a run alone."""
+        words = command_of(self.words)
+        return f"{words} --cells '{self.cells[cell].cell.id('*')}' --drive {self.laws[law]}:{draw}"
 
     def runs(self) -> list[dict[str, Any]]:
-        """A record of each run, with its metrics, None where there is no number, and the command that drives it."""
+        """A record of each run: its metrics, None where there is no number, signal hash, and what drives it again."""
         found = []
         for n, cell in enumerate(self.cells):
             for i, law in enumerate(self.laws):
@@ -96,18 +96,21 @@ class BoardResult:
                             "unstable": bool(self.unstable[i, n, draw]),
                             **costs,
                             **{name: value if math.isfinite(value) else None for name, value in numbers.items()},
+                            "signal_hash": cell.hashes[law][draw],
                             "command": command,
+                            "once_more": self.once_more(n, i, draw),
                         }
                     )
         return found
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of all runs."""
-        return hashlib.sha256(json.dumps(self.runs(), sort_keys=True).encode()).hexdigest()
+        """SHA-256 of what was drawn and measured in all runs, and of their signals."""
+        told = [{name: value for name, value in run.items() if name != "once_more"} for run in self.runs()]
+        return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
 
     def as_json(self) -> dict[str, Any]:
-        """The scores of all laws, and the hash of all runs."""
+        """The scores of all laws, profiles, probabilities of improvement, and the hash of all runs."""
         return {
             "board": self.board.name,
             "version": self.board.version,
@@ -118,9 +121,21 @@ class BoardResult:
                 | {"unstable": float(self.unstable[i].mean())}
                 for i, law in enumerate(self.laws)
             },
+            "profiles": {"cost": COSTS_SHOWN.tolist()}
+            | {law: {c: _lists(of, i) for c, of in self.profiles.items()} for i, law in enumerate(self.laws)},
+            "probability_of_improvement": {
+                law: {
+                    other: {
+                        cost: {n: each[k] for n, each in _lists(of, i).items()} for cost, of in self.improvement.items()
+                    }
+                    for k, other in enumerate(self.laws)
+                    if k != i
+                }
+                for i, law in enumerate(self.laws)
+            },
             "hash": self.hash,
         }
 
 
-def _in_words(score: Score) -> tuple[str, str]:
-    return f"{score.value:.3f} [{score.low:.3f}, {score.high:.3f}]", str(score.rank)
+def _lists(of: Estimate, row: int) -> dict[str, list[float]]:
+    return {name: values[row].tolist() for name, values in of._asdict().items()}

@@ -6,7 +6,7 @@ middle half of all runs, with intervals by a bootstrap within each cell (stratif
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ from ev_sim.measures.own_metrics import named_metrics
 LARGEST = 3.0  # cost of a run that is unstable or has no number, and of any other at most
 RESAMPLES, _AT_ONCE = 1000, 20
 CONFIDENCE = 0.95
+ENDS = 50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE)  # percentiles
 WORST = 0.1  # share of the runs that the tail is the mean of
 
 
@@ -71,16 +72,21 @@ def scores(costs: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], see
     than another one if the interval of their difference says so.
     """
     laws, cells, draws = costs.shape
-    random = np.random.Generator(np.random.PCG64(seed))
-    resampled = np.empty((RESAMPLES, laws))
-    for n in range(0, RESAMPLES, _AT_ONCE):
-        chosen = random.integers(draws, size=(_AT_ONCE, cells, draws))
+    found = []
+    for chosen in resampled_draws(cells, draws, seed):
         of_laws = costs[:, np.arange(cells)[:, None], chosen]
-        resampled[n : n + _AT_ONCE] = statistic(of_laws.reshape(laws, _AT_ONCE, -1)).T
-    ends = 50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE)
-    low, high = np.percentile(resampled, ends, axis=0)
-    worse = np.percentile(resampled[:, :, None] - resampled[:, None, :], ends[0], axis=0) > 0.0
+        found.append(statistic(of_laws.reshape(laws, _AT_ONCE, -1)).T)
+    resampled = np.concatenate(found)
+    low, high = np.percentile(resampled, ENDS, axis=0)
+    worse = np.percentile(resampled[:, :, None] - resampled[:, None, :], ENDS[0], axis=0) > 0.0
     values = statistic(costs.reshape(laws, -1))
     return [
         Score(float(values[i]), float(low[i]), float(high[i]), 1 + int(np.count_nonzero(worse[i]))) for i in range(laws)
     ]
+
+
+def resampled_draws(cells: int, draws: int, seed: int) -> Iterator[np.ndarray]:
+    """Draws drawn anew within each cell, for RESAMPLES boards, _AT_ONCE at a time, (boards, cells, draws)."""
+    random = np.random.Generator(np.random.PCG64(seed))
+    for _ in range(0, RESAMPLES, _AT_ONCE):
+        yield random.integers(draws, size=(_AT_ONCE, cells, draws))

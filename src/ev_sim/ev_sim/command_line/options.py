@@ -29,6 +29,7 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
         prog="run.sh", description="Run a scenario: every node its own process over DDS, unless an option changes this."
     )
     parser.add_argument("scenario", nargs="?", help="name of a scenario, --list shows them, or path of your own")
+    parser.add_argument("--run", action="append", default=[], metavar="NAME", help="of its runs only this one")
     way = parser.add_mutually_exclusive_group()
     way.add_argument("--offline", action="store_true", help="no DDS, one process")
     way.add_argument("--in-process", action="store_true", help="all nodes in one process, over DDS")

@@ -11,27 +11,73 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.benchmark.added import check_laws, with_added
 from ev_sim.benchmark.board import Board, read_board
-from ev_sim.benchmark.driving import drive_cell
-from ev_sim.benchmark.result import CELL_COLUMNS, COLUMNS, BoardResult
-from ev_sim.command_line.options import command_of
+from ev_sim.benchmark.drawing import board_sheet
+from ev_sim.benchmark.driving import drive_cell, laws_in_cell, words_of
+from ev_sim.benchmark.result import BoardResult
+from ev_sim.benchmark.tables import CELL_COLUMNS, SCORE_COLUMNS, cell_rows, closed_division, score_rows
+from ev_sim.command_line.options import arguments, command_of
 from ev_sim.command_line.refusal import Parser
+from ev_sim.commands.drive_scenario import drive_scenario
+from ev_sim.figures.saving import save_figures
+from ev_sim.figures.sheets import drawn
 from ev_sim.recording.outcome import bar_of_runs
 from ev_sim.report.summary import versions, write_summary
 from ev_sim.report.tables import text_table, write_parquet
 from ev_sim.running.output_folder import OutputFolder
 
-FILES = ("board.json", "runs.json", "runs.parquet")
+FIGURE = "board"
+FILES = ("board.json", "runs.json", "runs.parquet", f"{FIGURE}.png")
 
 
 def run_benchmark(argv: Sequence[str]) -> None:
-    """Drive the cells of a board with its laws, and print and write their scores and all runs."""
+    """Drive the cells of a board with its laws, and print and write their scores and all runs; or drive one run."""
+    given = _parser().parse_args(argv)
+    begin = time.monotonic()
+    board, added = with_added(_asked(read_board(given.board), given), given.add)
+    laws = _laws(board, given.laws, added)
+    check_laws(board, added)
+    if given.drive:
+        _drive_alone(board, given)
+        return
+    if given.offline or given.in_process:
+        raise ParameterError(
+            "--offline and --in-process are refused: a board is driven in batches, allowed with --drive"
+        )
+    with OutputFolder(given.out or Path("results/benchmark"), "benchmark", FILES) as folder:
+        result = drive_board(board, given.cells, laws, given.threads, _words(given))
+        print(text_table(CELL_COLUMNS, cell_rows(result), left=CELL_COLUMNS))
+        for title, division in (("closed", closed_division(result)), ("open", result.laws)):
+            if division:
+                print(f"\n{title} division")
+                print(text_table(SCORE_COLUMNS, score_rows(result, division), left=("law",)))
+        _write(folder.directory, result, command_of(["benchmark", *argv]))
+        if not given.no_report:
+            save_figures(drawn({FIGURE: board_sheet(result)}), folder.directory)
+    runs = len(result.cells) * len(result.laws) * board.draws
+    print(f"hash of all runs {result.hash}")
+    print(f"{runs} runs in {time.monotonic() - begin:.1f} s; scores, all runs and figure: {folder.directory}")
+
+
+def drive_board(
+    board: Board, pattern: str = "*", laws: Sequence[str] = (), threads: int | None = None, words: Sequence[str] = ()
+) -> BoardResult:
+    """Drive the cells that fit with some laws, all of the board if none is named; `words` are those of the command."""
+    chosen, cells, driven = laws or list(board.laws), board.cells(pattern), []
+    with bar_of_runs("benchmark", len(cells) * len(chosen) * board.draws) as bar:
+        for cell in cells:
+            driven.append(drive_cell(board, cell, chosen, threads))
+            bar.update(len(chosen) * board.draws)
+    return BoardResult(board, chosen, driven, words or ["benchmark", board.name])
+
+
+def _parser() -> argparse.ArgumentParser:
     parser = Parser(prog="run.sh benchmark", description="scripts/run.sh benchmark: laws ranked on a board.")
     parser.add_argument("board", nargs="?", default="small", help="name or path of a board; default: %(default)s")
     parser.add_argument("--cells", default="*", metavar="ID", help="those whose ids fit, such as '*:step_steer:*'")
-    parser.add_argument("--laws", metavar="NAME,NAME", help="these and the reference only")
+    parser.add_argument("--laws", metavar="NAME,NAME", help="these, the reference and what is added only")
     parser.add_argument(
         "--add",
         action="append",
@@ -42,31 +88,41 @@ def run_benchmark(argv: Sequence[str]) -> None:
     parser.add_argument("--draws", type=int, metavar="N", help="of each cell, instead of those of the board")
     parser.add_argument("--seed", type=int, metavar="N", help="of the draws, instead of that of the board")
     parser.add_argument("--threads", type=int, metavar="N", help="default: one per core")
-    parser.add_argument("--out", type=Path, default=Path("results/benchmark"), metavar="DIR", help="%(default)s")
-    given = parser.parse_args(argv)
-    begin = time.monotonic()
-    board, added = with_added(_asked(read_board(given.board), given), given.add)
-    laws = _laws(board, given.laws, added)
-    check_laws(board, added)
-    with OutputFolder(given.out, "benchmark", FILES) as folder:
-        result = drive_board(board, given.cells, laws, given.threads)
-        print(text_table(CELL_COLUMNS, result.cell_rows(), left=CELL_COLUMNS))
-        print()
-        print(text_table(COLUMNS, result.rows(), left=("law",)))
-        _write(folder.directory, result, command_of(["benchmark", *argv]))
-    runs = len(result.cells) * len(result.laws) * board.draws
-    print(f"hash of all runs {result.hash}")
-    print(f"{runs} runs in {time.monotonic() - begin:.1f} s; scores and all runs: {folder.directory}")
+    parser.add_argument(
+        "--drive", metavar="LAW:DRAW", help="one run of the only cell that fits, as a scenario, over DDS"
+    )
+    way = parser.add_mutually_exclusive_group()
+    way.add_argument("--offline", action="store_true", help="with --drive: no DDS, one process")
+    way.add_argument("--in-process", action="store_true", help="with --drive: all nodes in one process, over DDS")
+    parser.add_argument("--no-report", action="store_true", help="neither report nor figure")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/benchmark")
+    return parser
 
 
-def drive_board(board: Board, pattern: str = "*", laws: Sequence[str] = (), threads: int | None = None) -> BoardResult:
-    """Drive the cells that fit with some laws, all of the board if none is named."""
-    chosen, cells, driven = laws or list(board.laws), board.cells(pattern), []
-    with bar_of_runs("benchmark", len(cells) * len(chosen) * board.draws) as bar:
-        for cell in cells:
-            driven.append(drive_cell(board, cell, chosen, threads))
-            bar.update(len(chosen) * board.draws)
-    return BoardResult(board, chosen, driven)
+def _drive_alone(board: Board, given: argparse.Namespace) -> None:
+    """Drive one run as the scenario that it is, with report, figures and signal hash."""
+    law, found, number = given.drive.rpartition(":")
+    if not found or not number.isdecimal() or int(number) >= board.draws:
+        raise ParameterError(
+            f"--drive {quoted(given.drive)} is refused, allowed is LAW:DRAW with a draw from 0 to {board.draws - 1}"
+        )
+    if law not in board.laws:
+        raise unknown_name("law", law, board.laws)
+    cells = board.cells(given.cells)
+    if len(cells) > 1:
+        raise ParameterError(f"--drive is for one cell, {len(cells)} fit {quoted(given.cells)}; allowed is --cells ID")
+    _, *words = words_of(board, cells[0], laws_in_cell(board, cells[0], [law])[law], int(number))
+    words += ["--offline"] * given.offline + ["--in-process"] * given.in_process + ["--no-report"] * given.no_report
+    drive_scenario(arguments([*words, *(["--out", str(given.out)] if given.out else [])]))
+
+
+def _words(given: argparse.Namespace) -> list[str]:
+    """Those that make the same draws once more."""
+    options = [
+        (f"--{name}", str(getattr(given, name))) for name in ("draws", "seed") if getattr(given, name) is not None
+    ]
+    options += [("--add", word) for word in given.add]
+    return ["benchmark", given.board, *(word for option in options for word in option)]
 
 
 def _asked(board: Board, given: argparse.Namespace) -> Board:

@@ -32,7 +32,7 @@ _SHARED_MEMORY, _ROOM = "/dev/shm", 65536  # bytes; where there are fewer, LTTng
 def drive_scenario(given: argparse.Namespace) -> None:
     """Drive all runs of a scenario and report; raises what `ev_sim.commands.run_scenario.main` catches."""
     prints = printing(given)
-    scenario = load_scenario(given.scenario, replace(overrides(given), metrics=listed(given.metrics)))
+    scenario = load_scenario(given.scenario, replace(overrides(given), metrics=listed(given.metrics)), given.run)
     _refuse_without_ros(given)
     on_processors = []
     if given.processor:

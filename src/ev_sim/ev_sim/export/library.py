@@ -22,6 +22,7 @@ from ev_sim.export.targets import Target
 from ev_sim.recording.recording import atomic_file
 from ev_sim.running.output_folder import OutputFolder
 
+PROTOCOL = 2  # version of what program.c answers
 _PER_LINE = 8  # constants
 _PREFIX = "evs_"  # of names in C and of files, which could else be words of C, of libraries or of the templates
 _OF_LINKER = "_GLOBAL_OFFSET_TABLE_"  # no function: the linker makes it
@@ -65,11 +66,17 @@ class Library:
         """The name of the function of a part, which changes with its code."""
         return f"{self.name}_{key_of(*part.code)}"
 
-    def size(self, file: Path) -> tuple[str, int, int]:
-        """The roles of an object file, the bytes of its code, and the numbers of its constants and states."""
-        parts = [part for part in self.content.parts if self.symbol(part) == file.stem]
-        count = sum(len(part.constants) + len(part.state) for part in parts)
-        return ", ".join(part.role for part in parts), code_size(file.read_bytes()), count
+    def sizes(self, objects: Sequence[Path]) -> dict[str, Any]:
+        """For the templates: `sizes`, of each file its roles, bytes of code, and numbers of constants and states.
+
+        `code` and `constants` are the bytes of all.
+        """
+        rows = []
+        for file in objects:
+            parts = [part for part in self.content.parts if self.symbol(part) == file.stem]
+            count = sum(len(part.constants) + len(part.state) for part in parts)
+            rows.append((", ".join(part.role for part in parts), code_size(file.read_bytes()), count))
+        return {"sizes": rows, "code": sum(row[1] for row in rows), "constants": 8 * sum(row[2] for row in rows)}
 
     @property
     def about(self) -> str:
@@ -105,6 +112,7 @@ class Library:
             "given_name": self.given_name,
             "upper": self.name.upper(),
             "about": self.about,
+            "protocol": PROTOCOL,
             "id": f"0x{self.content.digest[:16]}",
             "content": self.content,
             "places": self.places,
@@ -166,7 +174,7 @@ def write_library(content: Content, name: str, target: Target, directory: Path) 
             "version": version("ev_sim"),
             "called": sorted(called) or ["nothing"],
             "methods": [f"{role} {content.run.configurations[role].method.name}" for role in content.roles],
-            "sizes": [library.size(file) for file in objects],
+            **library.sizes(objects),
         }
         templates = ["CMakeLists.txt", "README.md", *(["program.c"] if target.runs else [])]
         written = [*sources, archive, *library.write(folder, target, templates, **more)]

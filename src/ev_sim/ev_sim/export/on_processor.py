@@ -19,6 +19,7 @@ from ev_msgs_py.contract.frame import PLACES, Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.export.content import Content
+from ev_sim.export.counting import counted
 from ev_sim.export.program import Program, build_program
 from ev_sim.export.targets import TARGETS, target_of
 from ev_sim.scenarios.scenario import Run
@@ -46,6 +47,7 @@ class OnProcessor:
         self.writes, self.requires, self.mirrored = method.writes, method.requires, method.mirrored
         self.role, self.where, self._words = role, where, _words(where)
         self.content = Content(run, only=[role], bare=True)
+        self._why_not_counted = ""
         if where in EMULATED:
             target = target_of(EMULATED[where])
             if target.emulator and not shutil.which(target.emulator[0]):
@@ -55,11 +57,19 @@ class OnProcessor:
 
     @cached_property
     def command(self) -> list[str]:
-        """The words that start the program, which is built for an emulated processor."""
+        """The words that start the program, which is built for a processor of `EMULATED`."""
         if self.where not in EMULATED:
             return self._words
         self._folder = tempfile.TemporaryDirectory()
-        return build_program(self.content, TARGETS[EMULATED[self.where]], Path(self._folder.name))
+        folder, target = Path(self._folder.name), TARGETS[EMULATED[self.where]]
+        command = build_program(self.content, target, folder)
+        if not target.emulator:
+            return command
+        try:
+            return counted(command, folder)
+        except ParameterError as error:  # the run needs no instructions
+            self._why_not_counted = str(error)
+            return command
 
     def __call__(self, parameters: Any, vehicle: Any, period: float) -> None:
         """There is no object here."""
@@ -72,9 +82,19 @@ class OnProcessor:
     @property
     def report(self) -> str:
         """What the steps of the last part have taken, in words."""
-        took = self._part.program.measured
+        begin = f"{self.content.run.name}: {self.role} on {self.where}"
+        try:
+            took = self._part.program.measured
+        except ParameterError as error:  # it has ended since
+            return f"{begin}: {error}"
+        instructions = f"{took.instructions_a_step} instructions a step"
+        if took.error:
+            instructions = f"instructions not counted: {self._why_not_counted or took.why_not_counted}"
         per_step = took.nanoseconds / max(took.steps, 1) / 1000.0
-        return f"{self.role} on {self.where}: {took.steps} steps of {per_step:.3g} us, {took.stack} bytes of stack"
+        return (
+            f"{begin}: {took.steps} steps of {per_step:.3g} us, {took.stack} bytes of stack, {took.code} of code, "
+            f"{took.constants} of constants and state; {instructions}"
+        )
 
 
 def _words(command: str) -> list[str]:

@@ -5,8 +5,10 @@ The requests are those of the program's source, NAME_program.c, byte by byte.
 
 from __future__ import annotations
 
+import errno
 import os
 import select
+import signal
 import struct
 import subprocess
 from collections.abc import Sequence
@@ -19,30 +21,59 @@ import numpy as np
 
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.export.content import Content
-from ev_sim.export.library import Library
+from ev_sim.export.library import PROTOCOL, Library
 from ev_sim.export.targets import Target
 
 _OPTIONS = ("-std=gnu99", "-O2", "-ffp-contract=off")
 _NAME = "model"
 PATIENCE = 60.0  # s, with a program that does not answer
 _AT_ONCE = 65536  # bytes that are read or written
-_IDENTITY, _STATUS, _MEASURED = struct.Struct("<Q3I"), struct.Struct("<i"), struct.Struct("<QQI")
+_VERSION, _IDENTITY, _STATUS = struct.Struct("<I"), struct.Struct("<Q3I"), struct.Struct("<i")
+_MEASURED = struct.Struct("<3Qi3I")
+_NOT_COUNTED = {  # by error numbers of Linux, as they come from perf_event_open and from the program
+    errno.EACCES: "the kernel there does not allow it (kernel.perf_event_paranoid)",
+    errno.EPERM: "the kernel there does not allow it",
+    errno.ENOENT: "the processor there shows no counter of them",
+    errno.EOPNOTSUPP: "the processor there shows no counter of them",
+    errno.ENOSYS: "the system there has no counter of them",
+    errno.EBUSY: "the counter there did not count all the time",
+    errno.ENODATA: "the counter there stands still",
+}
 
 
 class Measured(NamedTuple):
-    """What the steps of a program have taken: time [ns], how many there were, and bytes of the stack."""
+    """What the steps of a program have taken, and the size of its parts.
 
-    nanoseconds: int
+    Time [ns]; instructions, which mean nothing unless `error`, a number of Linux, is 0; bytes of the stack, of code,
+    and of constants with states.
+    """
+
     steps: int
+    nanoseconds: int
+    instructions: int
+    error: int
     stack: int
+    code: int
+    constants: int
+
+    @property
+    def instructions_a_step(self) -> int:
+        """The mean over all steps."""
+        return round(self.instructions / max(self.steps, 1))
+
+    @property
+    def why_not_counted(self) -> str:
+        """Why there are no instructions, in words; empty if there are."""
+        return _NOT_COUNTED.get(self.error, os.strerror(self.error)) if self.error else ""
 
 
 def build_program(content: Content, target: Target, folder: Path) -> list[str]:
     """Build the program in a folder; the words that start it here, with an emulator for another processor."""
     library = Library(content, _NAME)
     objects = library.objects(target, folder)
-    sources = library.write(folder, target, ["model.h", "constants.h", "model.c", "program.c"])
-    program = target.program([*objects, *sources[2:]], folder / f"{_NAME}_program", _OPTIONS)
+    templates = ["model.h", "constants.h", "model.c", "program.c"]
+    sources = library.write(folder, target, templates, **library.sizes(objects))
+    program = target.program([*objects, *sources[2:]], folder / f"{_NAME}_program", (*_OPTIONS, *target.linking))
     return [*target.emulator, str(program)]
 
 
@@ -57,14 +88,18 @@ class Program:
         self._inputs = struct.Struct(f"<{len(content.inputs)}d")
         self._outputs = struct.Struct(f"<i{len(content.outputs)}d")
         try:
-            self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0)
+            self._process = subprocess.Popen(
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0, start_new_session=True
+            )
         except (OSError, ValueError) as error:
             raise self._refused(getattr(error, "strerror", "") or "it does not start") from None
         with ExitStack() as unless_ours:
             unless_ours.callback(self.close)
             assert self._process.stdin is not None
             os.set_blocking(self._process.stdin.fileno(), False)
-            identity, *_, self._state_size = _IDENTITY.unpack(self._asked(b"i", _IDENTITY.size))
+            if self._asked(b"i", _VERSION.size) != _VERSION.pack(PROTOCOL):
+                raise self._refused("it knows another version of the protocol: make it anew")
+            identity, *_, self._state_size = _IDENTITY.unpack(self._asked(b"", _IDENTITY.size))
             if identity != int(content.digest[:16], 16):
                 raise self._refused("it is that of another export: make it anew")
             unless_ours.pop_all()
@@ -109,14 +144,14 @@ class Program:
         return answers["outputs"]
 
     def close(self) -> None:
-        """End it, by force if it does not end with its input."""
+        """End it; by force, with all that it has started, if it does not end with its input."""
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
                 pipe.close()
         try:
             self._process.wait(1.0)
         except subprocess.TimeoutExpired:
-            self._process.kill()
+            os.killpg(self._process.pid, signal.SIGKILL)
             self._process.wait()
 
     def __enter__(self) -> Program:

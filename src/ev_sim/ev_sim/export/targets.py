@@ -29,6 +29,7 @@ OPTIONS = (
 class Target:
     """A processor with its system, its C compiler and that one's `options`; `package` is Debian's.
 
+    Programs are linked with `linking`: on Linux all functions are found at the start, so that no step looks for one.
     `emulator` runs its programs here, where `runs` says that it has programs at all.
     """
 
@@ -38,6 +39,7 @@ class Target:
     prefix: str
     package: str
     options: tuple[str, ...] = ()
+    linking: tuple[str, ...] = ("-Wl,-z,now",)
     system: str = "Linux"
     emulator: tuple[str, ...] = ()
     runs: bool = True
@@ -88,6 +90,7 @@ TARGETS = {
             other_processors.X86_64_WINDOWS,
             "x86_64-w64-mingw32-",
             "gcc-mingw-w64-x86-64",
+            linking=("-static", "-pthread"),  # which has the clock
             system="Windows",
         ),
         Target(
@@ -113,6 +116,7 @@ TARGETS = {
             "arm-none-eabi-",
             "gcc-arm-none-eabi",
             ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"),
+            linking=(),
             system="Generic",
             runs=False,
         ),

@@ -1,0 +1,33 @@
+"""Instructions of an emulated program: qemu-user counts them by a plugin, which is built for its own interface."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.export.targets import TARGETS
+
+_SOURCE = Path(__file__).parent / "templates" / "qemu_count.c"
+_HOST = TARGETS["x86_64-linux"]
+_VERSIONS = range(1, 7)  # of the interface; an emulator takes some of them
+_DESCRIPTOR = 100  # through which the program reads the count
+
+
+def counted(command: Sequence[str], folder: Path) -> list[str]:
+    """The words that start an emulated program which knows its instructions, with the plugin in a folder.
+
+    The last word of the command is the program. ParameterError, in one line, if its emulator cannot count.
+    """
+    _HOST.refuse_missing_compiler()
+    *emulator, program = command
+    for version in _VERSIONS:
+        options = ("-O2", "-fPIC", "-shared", f"-DAPI={version}", f"-DDESCRIPTOR={_DESCRIPTOR}")
+        plugin = _HOST.program([_SOURCE], folder / f"qemu_count_{version}.so", options)
+        words = [*emulator, "-plugin", str(plugin), program, str(_DESCRIPTOR)]
+        # A program ends with its input.
+        if not (tried := subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True)).returncode:
+            return words
+    line = tried.stderr.decode(errors="replace").strip().rpartition("\n")[2] or f"status {tried.returncode}"
+    raise ParameterError(f"{emulator[0]} does not take the plugin that counts: {line}")
