@@ -32,7 +32,7 @@ def sideslip(p: Any, car: Any, period: float, given: Given) -> np.ndarray:
     s = SlipAngleObserverState()
     lateral = []
     for speed, across, yaw_rate, angle in _instants(given, _SPEED, _ACROSS, _YAW_RATE, _ANGLE):
-        slip_angles_at(p, car, s, period, speed, across, yaw_rate, angle)
+        slip_angles_at(p, car, s, period, p.kinematic_share, speed, across, yaw_rate, angle)
         lateral.append(s.lateral_velocity)
     ahead = np.where(given[_SPEED] < 0.0, -1.0, 1.0)
     estimated: np.ndarray = np.arctan2(ahead * np.array(lateral), ahead * given[_SPEED])
