@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from ev_core.vehicle.losses import loss_power
 from ev_core.vehicle.motor import Motor, Winding
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
 from ev_msgs_py.can.frames import TORQUE_MODE
-from ev_sim.drives.electrical_side import loss_power
 from ev_sim.drives.synchronous_motor import phase_values, torque_per_current, voltage_limited_torque, weakening_loss
 from ev_sim.inverter.device import Inverter, InverterParameters
 from ev_sim.inverter.power_stage import advance_torque

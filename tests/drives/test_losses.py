@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ev_core.vehicle.losses import loss_power, map_loss_power
 from ev_core.vehicle.motor import Motor
-from ev_sim.drives.electrical_side import loss_power, map_loss_power
 
 
 def test_losses_and_efficiency_map_agree():

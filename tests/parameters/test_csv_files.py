@@ -12,12 +12,12 @@ from ev_core.lockstep.configuration import configure
 from ev_core.parameters.data_file import find_file
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.files import with_map_from_file
+from ev_core.vehicle.losses import loss_power
 from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.drives.electrical_side import loss_power
 from ev_sim.plant.planar.planar_state import index
 from ev_sim.scenarios.parameter_file import ParameterFile
 

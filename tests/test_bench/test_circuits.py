@@ -10,13 +10,13 @@ import pytest
 from ev_core.lockstep.configuration import configure
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
+from ev_core.vehicle.losses import loss_power
 from ev_core.vehicle.motor import Motor
 from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.contract.optional_signals import LoadCommand
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.drives.electrical_side import loss_power
 from ev_sim.drives.synchronous_motor import weakening_loss
 from ev_sim.test_bench.circuit import turn
 from ev_sim.test_bench.described import CircuitState, ShaftParameters

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from urban_runs import CAR, PARAMETERS, driven, parameters_of, scenario
 
+from ev_core.vehicle.losses import loss_power
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_papers.dissertation.figures.urban_sheets import motors_and_cells, stretches
 from ev_papers.dissertation.measures import circuits
 from ev_papers.dissertation.measures import traction_windows as cycle
 from ev_papers.dissertation.measures.motors_and_cells import electrical_metrics
 from ev_papers.dissertation.measures.slip_curve import first_passed_peak
-from ev_sim.drives.electrical_side import loss_power
 from ev_sim.measures.handling import share_of, surfaces_under
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.profiles.cycle_windows import MODES, TRACTION

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, split, split_brake
 from ev_control.shared.torque_split import KNOWN_BY, differential
@@ -15,6 +16,7 @@ from ev_control.torque_vectoring.known_motion import (
     known_motion,
     unknown_motion,
 )
+from ev_control.torque_vectoring.least_loss import least_loss
 from ev_control.torque_vectoring.lqr import NO_GAINS, Gains, LQRParameters, lqr_gains, lqr_moment
 from ev_control.torque_vectoring.pi import PIParameters, pi_moment
 from ev_control.torque_vectoring.predictive import predictive_moment
@@ -50,6 +52,7 @@ from ev_control.torque_vectoring.sliding_modes import (
 )
 from ev_control.torque_vectoring.weighted_least_squares import LeastSquaresParameters, least_squares
 from ev_core.law import BodyVelocity, Car, DriverCommand, Vehicle, Wheels, compilable, group, parameter, part
+from ev_core.vehicle.losses import NO_MAP, EfficiencyMap, efficiency_map
 from ev_msgs_py.contract.signals import (
     InertialMeasurement,
     SteeringColumnState,
@@ -60,8 +63,8 @@ from ev_msgs_py.contract.signals import (
 
 CONTROLLERS = ("pi", "lqr", "predictive", "sliding_mode", "super_twisting", "suboptimal")
 PI, LQR, PREDICTIVE, SLIDING_MODE, SUPER_TWISTING, SUBOPTIMAL = range(len(CONTROLLERS))
-ALLOCATIONS = ("axle", "load", "least_squares")
-BY_AXLE, BY_LOAD, LEAST_SQUARES = range(len(ALLOCATIONS))
+ALLOCATIONS = ("axle", "load", "least_squares", "least_loss")
+BY_AXLE, BY_LOAD, LEAST_SQUARES, LEAST_LOSS = range(len(ALLOCATIONS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,8 +80,8 @@ class DirectYawMomentParameters:
     allocation: str = parameter(
         "axle",
         choices=ALLOCATIONS,
-        about="torques: equal, and a fixed share of the moment on each axle; both as loads are; or with the least use "
-        "of grip within motors and tyres",
+        about="torques: equal, and a fixed share of the moment on each axle; both as loads are; with the least use of "
+        "grip within motors and tyres; or with the least loss of motors and inverters within them",
     )
     estimation: str = parameter(
         "truth", choices=KNOWN_BY, about="motion and friction: as the plant has them, or by sensors of a car alone"
@@ -116,11 +119,19 @@ class DirectYawMomentState:
     known: KnownMotionState = part(KnownMotionState)
 
 
-def prepare(parameters: DirectYawMomentParameters, vehicle: Vehicle, period: float) -> Gains:
-    """The gains of the regulator by speed, where the controller asks for them."""
-    if parameters.controller not in ("lqr", "predictive"):
-        return NO_GAINS
-    return lqr_gains(parameters.lqr, parameters.single_track, vehicle, period)
+class DirectYawMomentConstants(NamedTuple):
+    """What follows from parameters and vehicle alone."""
+
+    gains: Gains
+    map: EfficiencyMap
+
+
+def prepare(parameters: DirectYawMomentParameters, vehicle: Vehicle, period: float) -> DirectYawMomentConstants:
+    """The gains of the regulator by speed and the map of the motors, where they are asked for."""
+    asked = parameters.controller in ("lqr", "predictive")
+    gains = lqr_gains(parameters.lqr, parameters.single_track, vehicle, period) if asked else NO_GAINS
+    table = efficiency_map(vehicle.motor) if parameters.allocation == "least_loss" else NO_MAP
+    return DirectYawMomentConstants(gains, table)
 
 
 @differential(
@@ -135,7 +146,7 @@ def prepare(parameters: DirectYawMomentParameters, vehicle: Vehicle, period: flo
 def direct_yaw_moment(
     p: DirectYawMomentParameters,
     car: Car,
-    c: Gains,
+    c: DirectYawMomentConstants,
     s: DirectYawMomentState,
     period: float,
     driver: DriverCommand,
@@ -160,13 +171,13 @@ def direct_yaw_moment(
         s.wanted.yaw_rate = 0.0
     else:
         angle, a_y = column.road_wheel_angle, imu.lateral_acceleration
-        asked = fast * wanted_moment(p, car, c, s, period, motion, wheels, angle, a_y)
+        asked = fast * wanted_moment(p, car, c.gains, s, period, motion, wheels, angle, a_y)
         asked = min(max(asked, -p.largest_moment), p.largest_moment)
-    drive = torques(p, car, motion, wheels, imu, driver.drive_torque, asked)
+    drive = torques(p, car, c.map, motion, wheels, imu, driver.drive_torque, asked)
     request = allocated(p.limits, car, wheels, WheelTorqueRequest(drive, split_brake(p.brake, driver)))
     if fast > 0.0 and (p.controller == PI or p.controller == SUPER_TWISTING or p.controller == SUBOPTIMAL):
         # By load, left and right differ without a moment: only what saturation takes is missing.
-        given = asked if p.allocation == LEAST_SQUARES else turned_by(car, drive)
+        given = turned_by(car, drive) if p.allocation == BY_AXLE or p.allocation == BY_LOAD else asked
         follow_saturation(s.integral, period, p.tracking_time, given - turned_by(car, request.drive))
     else:
         s.integral.moment = 0.0
@@ -236,6 +247,7 @@ def feedback(
 def torques(
     p: DirectYawMomentParameters,
     car: Car,
+    table: EfficiencyMap,
     motion: KnownMotion,
     wheels: WheelStates,
     imu: InertialMeasurement,
@@ -247,4 +259,6 @@ def torques(
         return by_axle(p.axle, car, total, moment)
     if p.allocation == BY_LOAD:
         return by_load(car, imu, total, moment)
+    if p.allocation == LEAST_LOSS:
+        return least_loss(p.least_squares, car, table, motion, wheels.velocity, total, moment)
     return least_squares(p.least_squares, car, motion, wheels.velocity, total, moment)

@@ -57,17 +57,11 @@ def least_squares(
     p: LeastSquaresParameters, car: Car, motion: KnownMotion, speed: Wheels, total: float, moment: float
 ) -> Wheels:
     """Torques of the driven wheels [N m] for a drive torque and a yaw moment [N m], at wheel speeds [rad/s]."""
-    r = car.wheel_radius
-    grip = Wheels(
-        max(motion.grip[0] * r, LEAST_GRIP),
-        max(motion.grip[1] * r, LEAST_GRIP),
-        max(motion.grip[2] * r, LEAST_GRIP),
-        max(motion.grip[3] * r, LEAST_GRIP),
-    )
+    grip = sliding_torques(car, motion)
     a, b = wheel_range(p, car, motion, speed, grip, 0), wheel_range(p, car, motion, speed, grip, 1)
     c, d = wheel_range(p, car, motion, speed, grip, 2), wheel_range(p, car, motion, speed, grip, 3)
     # One arm for both axles: with two of them wheels of a side would fight where both demands do not fit.
-    arm = (car.front_track + car.rear_track) / (4.0 * r)
+    arm = (car.front_track + car.rear_track) / (4.0 * car.wheel_radius)
     whole = (grip[0] + grip[1]) + (grip[2] + grip[3])
     lever = whole * arm
     demand = Demand(
@@ -81,6 +75,18 @@ def least_squares(
         Wheels(a.most, b.most, c.most, d.most),
     )
     return bounded_least_squares(demand)
+
+
+@compilable
+def sliding_torques(car: Car, motion: KnownMotion) -> Wheels:
+    """The torques at which tyres slide without a side force [N m]."""
+    r = car.wheel_radius
+    return Wheels(
+        max(motion.grip[0] * r, LEAST_GRIP),
+        max(motion.grip[1] * r, LEAST_GRIP),
+        max(motion.grip[2] * r, LEAST_GRIP),
+        max(motion.grip[3] * r, LEAST_GRIP),
+    )
 
 
 @compilable

@@ -12,12 +12,12 @@ import numpy as np
 
 from ev_core.parameters.data_file import find_file
 from ev_core.vehicle.driveline import wheel_inertia
+from ev_core.vehicle.losses import loss_power
 from ev_msgs_py.contract.optional_signals import BenchTemperatures
 from ev_papers.dissertation.measures.circuits import CircuitSums, circuits
 from ev_papers.dissertation.measures.slip_curve import LARGEST_ERROR, SlipCurve, first_passed_peak, slip_and_road_torque
 from ev_papers.dissertation.measures.traction_windows import traction
 from ev_papers.dissertation.studies.bench_difference import apart
-from ev_sim.drives.electrical_side import loss_power
 from ev_sim.measures.metric import channel, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.test_bench.sequence import SEQUENCE_STEPS, Sequence

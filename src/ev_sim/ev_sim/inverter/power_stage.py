@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from ev_core.law import compilable, exp
+from ev_core.vehicle.losses import loss_power
 from ev_core.vehicle.motor import SPEED_FADE, ThermalParameters
 from ev_msgs_py.can import frames
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, QUICK_STOP_ACTIVE, READY_TO_SWITCH_ON, SWITCH_ON, SWITCHED_ON
 from ev_sim.drives import synchronous_motor
-from ev_sim.drives.electrical_side import coolant_outlet_temperature, derating_share, heated, loss_power
+from ev_sim.drives.electrical_side import coolant_outlet_temperature, derating_share, heated
 from ev_sim.inverter.device import DcLinkParameters, Inverter, InverterParameters, Machine
 
 

@@ -53,7 +53,7 @@ def fit_motor(file: Path) -> MotorFit:
     """Least squares in the efficiency, no loss below zero; every third point is held out.
 
     The file has columns `speed_rpm`, `torque_nm` (of a motor, both above zero) and the efficiency from inverter to
-    shaft; rows without all three are left out. Loss: `ev_sim.drives.electrical_side`. ParameterError if it has not.
+    shaft; rows without all three are left out. Loss: `ev_core.vehicle.losses`. ParameterError if it has not.
     """
     columns, digest = read_columns(file)
     for name in _COLUMNS:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ev_core.law import compilable, floor, inlined, remainder
+from ev_core.vehicle.losses import loss_power
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, SWITCH_ON_DISABLED
 from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
-from ev_sim.drives.electrical_side import loss_power
 from ev_sim.inverter.device import InverterParameters
 from ev_sim.inverter.power_stage import advance_electrical, advance_temperatures, follow_reference, largest_torque
 from ev_sim.test_bench.described import (

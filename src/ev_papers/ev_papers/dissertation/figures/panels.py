@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.losses import loss_power
 from ev_papers.dissertation.figures.urban_mixed import (
     OF_A_CIRCUIT,
     electrical,
@@ -17,7 +18,6 @@ from ev_papers.dissertation.figures.urban_mixed import (
 )
 from ev_papers.dissertation.figures.urban_sheets import cycle_figure, over_cycle
 from ev_papers.dissertation.measures.urban_cases import BENCH, FIVE, METHODS, SCENARIO, case
-from ev_sim.drives.electrical_side import loss_power
 from ev_sim.drives.synchronous_motor import voltage_limited_torque
 from ev_sim.figures.other_axes import contours
 from ev_sim.figures.panels import Curve, Panel, panel

@@ -8,8 +8,8 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors, wheel_inertia
+from ev_core.vehicle.losses import loss_power, map_loss_power
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.drives.electrical_side import loss_power, map_loss_power
 from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.recording.recording import Recording
 

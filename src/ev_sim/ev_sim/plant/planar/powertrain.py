@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ev_core.law import Car, inlined
+from ev_core.vehicle import losses
 from ev_sim.drives import driveline, electrical_side
 from ev_sim.drives.drive import advance_drive
 from ev_sim.drives.synchronous_motor import limited_torque, voltage_limited_torque, weakening_loss
@@ -91,9 +92,9 @@ def drive_loss(
     if p.drive != TORQUE_CONTROLLED:  # brushless drives bring their own losses
         loss = 0.0
     elif len(table.efficiency) > 0:
-        loss = electrical_side.map_loss_power(torque, speed, table.speed, table.torque, table.efficiency)
+        loss = losses.map_loss_power(torque, speed, table.speed, table.torque, table.efficiency)
     else:
-        loss = electrical_side.loss_power(car.motor, torque, speed)
+        loss = losses.loss_power(car.motor, torque, speed)
     if power.electrical.modelled == 0.0 or len(table.efficiency) > 0:
         return loss * car.motors[i]
     return (loss + weakening_loss(car.motor, torque, step.voltage, speed)) * car.motors[i]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from ev_core.law import WHEEL_NAMES, ParameterError, Vehicle, exp, expm1, sqrt
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
+from ev_core.vehicle.losses import NO_MAP, EfficiencyMap, efficiency_map
 from ev_sim.drives.brushless_motor import torque_constant
 from ev_sim.drives.drive import DRIVE_MODELS
 from ev_sim.plant.guard import GuardLimits, guard_limits
@@ -117,14 +118,6 @@ class Electrical(NamedTuple):
     inverter_left: float = 0.0
 
 
-class EfficiencyMap(NamedTuple):
-    """Shaft speeds [rad/s], shaft torques [N m], and for each speed a row of efficiencies [1]; empty without a map."""
-
-    speed: tuple[float, ...]
-    torque: tuple[float, ...]
-    efficiency: tuple[float, ...]
-
-
 class PowerConstants(NamedTuple):
     """Of battery and motors."""
 
@@ -157,14 +150,8 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
     brushless = p.drive in DRIVE_MODELS
     if brushless and not has_equal_motors(vehicle):
         raise ParameterError(f"drive {p.drive} needs equal motors and gears at all driven wheels, and no engine")
-    motor = vehicle.motor
-    if motor.map_file and not brushless:
-        raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
-    efficiency_map = EfficiencyMap(motor.map_speed, motor.map_torque, motor.map_efficiency)
-    if brushless:
-        efficiency_map = EfficiencyMap((), (), ())
     steps = number_of_steps(p, vehicle, period)
-    motor_torque = p.motor.torque_limit if brushless else motor.peak_torque
+    motor_torque = p.motor.torque_limit if brushless else vehicle.motor.peak_torque
     return PlanarConstants(
         h=period / steps,
         steps=steps,
@@ -175,7 +162,7 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
             capacity=vehicle.battery.capacity * 3600.0,
             voltage=vehicle.battery.open_circuit_voltage,
             resistance=vehicle.battery.resistance,
-            map=efficiency_map,
+            map=NO_MAP if brushless else efficiency_map(vehicle.motor),
             electrical=Electrical(),
             gearbox=vehicle.engine.gearbox.ratios,
         ),
