@@ -74,6 +74,26 @@ check_python() {
     fi
 }
 
+# `ensurepip` compiles pip, twice, which takes most of the time of a new .venv: pip is unpacked as Python brings it.
+make_venv() {
+    local python="$1" wheel
+    wheel="$("$python" -c '
+import ensurepip, pathlib, sysconfig
+folder = sysconfig.get_config_var("WHEEL_PKG_DIR") or pathlib.Path(ensurepip.__file__).parent / "_bundled"
+print(*pathlib.Path(folder).glob("pip-*-py3-none-any.whl"), sep="\n")')" || true
+    if [[ ! -f "$wheel" ]]; then # none, or several
+        "$python" -m venv .venv
+        return
+    fi
+    "$python" -m venv --without-pip .venv && .venv/bin/python -m zipfile -e "$wheel" "$(packages_folder)" || return
+    printf '#!/bin/sh\nexec "%s" -m pip "$@"\n' "$root/.venv/bin/python" >.venv/bin/pip
+    chmod +x .venv/bin/pip
+}
+
+packages_folder() {
+    .venv/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))'
+}
+
 # By pip: uv does not see what the distribution has, and would install all of it anew, setuptools of another kind as well.
 install_beside_distribution() {
     sed -E 's/[[:space:]]*#.*//; s/(\[|==).*//; /^ros-/d; /^uv$/d; /^$/d' requirements.txt >.venv/missing.txt
@@ -97,7 +117,7 @@ pip_install() {
 
 # As pip is told to by its configuration.
 uv_install() (
-    variables="$(.venv/bin/python -m pip config list | .venv/bin/python scripts/uv_as_pip.py)" || return
+    variables="$(.venv/bin/python scripts/uv_as_pip.py <.venv/pip.txt)" || return
     eval "$variables"
     "$uv" pip install --python .venv/bin/python "$@"
 )
@@ -106,8 +126,9 @@ uv_install() (
 install_locked() {
     awk '/^[^ #]/ { named = !/^uv==/ } named' requirements.lock >.venv/locked.txt
     local words=(--no-deps --require-hashes --requirement .venv/locked.txt) trouble="cannot be had"
+    .venv/bin/python -m pip config list >.venv/pip.txt &
     find_uv
-    if [[ -n "$uv" ]]; then
+    if wait $! && [[ -n "$uv" ]]; then
         uv_install "${words[@]}" && return
         trouble="fails"
     fi
@@ -135,7 +156,7 @@ make_environment() {
         step "installing what $distribution lacks (once)" install_beside_distribution
     else
         check_python "$python"
-        step "making .venv" "$python" -m venv .venv
+        step "making .venv" make_venv "$python"
         step "installing ROS 2 and the tools of requirements.lock (once)" install_locked
     fi
     environment_fingerprint >.venv/.complete
@@ -155,14 +176,25 @@ record_environment() {
 
 # The Python of .venv knows the packages by itself, as a kernel of Jupyter has to.
 record_paths() {
-    local packages
-    packages="$(.venv/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')"
-    printf '%s\n' "$root"/build/{ev_msgs_py,ev_core,ev_control,ev_sim,ev_papers} >"$packages/ev_stack.pth"
+    printf '%s\n' "$root"/build/{ev_msgs_py,ev_core,ev_control,ev_sim,ev_papers} >"$(packages_folder)/ev_stack.pth"
+}
+
+# colcon builds one package after the other: what every run needs is compiled meanwhile, on a core that is idle.
+build() {
+    local sources
+    sources="$(printf '%s:' "$root"/src/*)"
+    env -u PYTHONDONTWRITEBYTECODE PYTHONPATH="${sources%:}${PYTHONPATH:+:$PYTHONPATH}" \
+        .venv/bin/python scripts/compile_ahead.py >log/compile_ahead.log 2>&1 {lock}<&- &
+    # shellcheck disable=SC2064
+    trap "kill $! 2>/dev/null" EXIT # it ignores Ctrl-C
+    .venv/bin/python -m colcon build --symlink-install --base-paths src || return
+    wait $! || true # what cannot be compiled says so when it is used
+    trap - EXIT
 }
 
 build_workspace() {
     rm -f install/.complete
-    step "building the workspace" .venv/bin/python -m colcon build --symlink-install --base-paths src
+    step "building the workspace" build
     record_environment
     record_paths
     ln -sf "$root/install/ev_sim/lib/ev_sim/ev-stack" .venv/bin/ev-stack
