@@ -63,11 +63,16 @@ class Manoeuvre:
 
 @dataclass(frozen=True, slots=True)
 class Road:
-    """Surfaces under the left and the right wheels, one behind the other; the lengths of all but the last [m]."""
+    """Surfaces under the left and the right wheels, one behind the other; the lengths of all but the last [m].
+
+    `friction` and `stiffness` are factors on c1 and c3, and on c2 of all its surfaces.
+    """
 
     left: list[str]
     right: list[str]
     length: list[float] = field(default_factory=list)
+    friction: float = 1.0
+    stiffness: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +88,16 @@ class Variation:
     def bounds(self) -> list[float]:
         """The lower and the upper one."""
         return self.factor or self.value or self.count
+
+
+@dataclass(frozen=True, slots=True)
+class HeldOut:
+    """What is kept for the end: cars, bounds of `friction` and `stiffness` of each road, and further variations."""
+
+    cars: list[str]
+    friction: list[float]
+    stiffness: list[float]
+    variations: list[Variation] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +137,7 @@ class Board:
     variations: list[Variation]
     laws: Mapping[str, Mapping[str, Any]]
     closed: list[str] = field(default_factory=list)
+    held_out: HeldOut | None = None
     name: str = ""
 
     def cells(self, pattern: str = "*") -> list[Cell]:
@@ -152,13 +168,19 @@ def read_board(name: str) -> Board:
         for entry, of in (("manoeuvres", Manoeuvre), ("roads", Road)):
             stated = _mapping(entry, whole.get(entry))
             whole[entry] = {n: _record(of, f"{entry.removesuffix('s')} {n}", each) for n, each in stated.items()}
-        variations = whole.get("variations")
-        whole["variations"] = [_record(Variation, "a variation", v) for v in variations or ()]
+        whole["variations"] = _variations(whole)
+        if "held_out" in whole:
+            stated = dict(_mapping("held_out", whole["held_out"]))
+            whole["held_out"] = _record(HeldOut, "held_out", stated | {"variations": _variations(stated)})
         board = _record(Board, "a board", whole | {"name": name})
         _refuse(board, path)
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from None
     return board
+
+
+def _variations(of: Mapping[str, Any]) -> list[Variation]:
+    return [_record(Variation, "a variation", each) for each in of.get("variations") or ()]
 
 
 def _mapping(what: str, content: Any) -> Mapping[str, Any]:
@@ -193,6 +215,7 @@ _KINDS: dict[str, tuple[str, tuple[type, ...]]] = {
     "Mapping": ("a mapping", (Mapping,)),
     "Manoeuvre": ("a mapping", (Manoeuvre,)),
     "Road": ("a mapping", (Road,)),
+    "HeldOut | None": ("a mapping", (HeldOut,)),
     "Variation": ("a mapping", (Variation,)),
 }
 
@@ -211,9 +234,14 @@ def _refuse(board: Board, path: Path) -> None:
     if not 1 <= board.draws <= 100_000:
         raise ParameterError(f"draws is {board.draws}, allowed is 1 to 100000")
     _known("reference", [board.reference], board.laws)
-    for car in board.cars:
+    kept = board.held_out
+    cars = [*board.cars, *(kept.cars if kept else ())]
+    for car in cars:
         configured_file("vehicle", TextOfFile.of(car.partition(":")[0], path))
-    _known("layout", [car.partition(":")[2] for car in board.cars], board.layouts)
+    _known("layout", [car.partition(":")[2] for car in cars], board.layouts)
+    for bounds in (kept.friction, kept.stiffness) if kept else ():
+        if len(bounds) != 2 or not 0.0 < bounds[0] <= bounds[1] <= 2.0:
+            raise ParameterError(f"held_out has the bounds {bounds}, allowed are two numbers that rise, above 0 to 2")
     for name, road in board.roads.items():
         if not len(road.left) == len(road.right) == len(road.length) + 1:
             raise ParameterError(f"road {name} needs as many surfaces left as right, and a length for all but the last")
@@ -229,7 +257,7 @@ def _refuse(board: Board, path: Path) -> None:
             scale = board.scales.get(metric)
             if not (_is(scale, "float") and scale > 0.0):
                 raise ParameterError(f"scales lacks a number above 0 for {metric} of {name}")
-    for variation in board.variations:
+    for variation in [*board.variations, *(kept.variations if kept else ())]:
         bounds = [*variation.factor, *variation.value, *variation.count]
         if len(bounds) != 2 or not bounds[0] <= bounds[1]:
             raise ParameterError(

@@ -146,9 +146,9 @@ def _surfaces(board: Board, cell: Cell, factor: float) -> dict[str, list[float]]
     road = board.roads[cell.road]
     sides = [SURFACES[name] for name in (*road.left, *road.right)]
     return {
-        "own_c1": [factor * side.c1 for side in sides],
-        "own_c2": [side.c2 for side in sides],
-        "own_c3": [factor * side.c3 for side in sides],
+        "own_c1": [factor * road.friction * side.c1 for side in sides],
+        "own_c2": [road.stiffness * side.c2 for side in sides],
+        "own_c3": [factor * road.friction * side.c3 for side in sides],
         "own_rolling_resistance": [side.rolling_resistance for side in sides],
     }
 
