@@ -295,7 +295,8 @@ def test_sigterm_stops_everything_too(way: tuple[str, ...], tmp_path: Path):
     assert len(load(running.folder / "signals.npz").time) > 50
 
 
-@pytest.mark.parametrize("name", ["plant", pytest.param("recorder", marks=pytest.mark.weekly)])
+@pytest.mark.weekly
+@pytest.mark.parametrize("name", ["plant", "recorder"])
 def test_a_node_that_is_told_to_stop_ends_the_run(name: str, tmp_path: Path):
     """It ends with status 0, as these two do at the end of a run."""
     running = Running(tmp_path / "out")

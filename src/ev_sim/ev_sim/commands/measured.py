@@ -169,7 +169,7 @@ def run_identify(argv: Sequence[str]) -> None:
         print(found.table())
         found.write(folder.directory, not given.no_report)
         journal.remove()
-    for note in record.notes:
+    for note in (*record.notes, *replay.notes):
         print(f"note: {note}")
     if journal.taken:
         print(f"went on behind {journal.taken} evaluations of a search that was stopped")

@@ -23,6 +23,7 @@ from ev_sim.figures.sheets import Sheet
 from ev_sim.measured.records.record import LONGITUDINAL, ROAD_WHEEL_ANGLE, SIDESLIP, YAW_RATE
 from ev_sim.measured.replays.errors import RANGES, range_names
 from ev_sim.measured.replays.open_loop import OpenLoop
+from ev_sim.measures.metric import Metric
 from ev_sim.report.tables import text_table
 
 CORRIDOR = "corridor"  # under which its parameters are given
@@ -93,6 +94,11 @@ class Corridor:
     def share(self) -> float:
         """Of the instants that lie in it [1]; NaN if there are none."""
         return _share(self.inside[self.counts])
+
+    @property
+    def metric(self) -> Metric:
+        """The same for summary.json and the page."""
+        return Metric(self.share, "1") if self.counts.any() else Metric(None, "1", reason="nothing to judge")
 
     @cached_property
     def shares(self) -> dict[str, float]:

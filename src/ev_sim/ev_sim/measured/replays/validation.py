@@ -115,10 +115,7 @@ class Validation:
     def table(self) -> str:
         """What the terminal shows: errors by signal and range, those of estimators, and what lies in corridors."""
         estimated = {f"{e.name}: {e.channel}": e.judged for e in self.estimates}
-        tables = [error_table({**self.judged, **estimated})]
-        if self.corridors:
-            tables.append(corridor_table(self.corridors))
-        return "\n\n".join(tables)
+        return f"{error_table({**self.judged, **estimated})}\n\n{corridor_table(self.corridors)}"
 
     def metrics(self) -> dict[str, Metric]:
         """For summary.json and the page."""
@@ -128,7 +125,7 @@ class Validation:
         for estimate in self.estimates:
             found |= estimate.judged.metrics(f"{estimate.name}_{estimate.channel}")
         for name, corridor in self.corridors.items():
-            found[f"{name}_in_corridor"] = Metric(corridor.share, "1")
+            found[f"{name}_in_corridor"] = corridor.metric
         return found | {
             "windows": Metric(float(len(self.spun)), "1"),
             "windows_left": Metric(float(self.spun.sum()), "1"),
@@ -158,9 +155,7 @@ class Validation:
             span = float(np.max(np.abs(one))) * 1.3
             panels.append(_panel(readable(name), name, time, {"measured": one, "simulated": other}, span))
             panels.append(_panel(f"error of {readable(name)}", name, time, {"": other - one}, span))
-        sheets = {"over_time": Sheet(panels), "worst": self._worst()}
-        if self.corridors:
-            sheets["corridors"] = corridor_sheet(self.corridors)
+        sheets = {"over_time": Sheet(panels), "worst": self._worst(), "corridors": corridor_sheet(self.corridors)}
         if self.estimates:
             sheets["estimates"] = Sheet([panel for each in self.estimates for panel in self._estimated(each)])
         return sheets
