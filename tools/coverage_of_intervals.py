@@ -16,7 +16,6 @@ from ev_core.vehicle.tyre import MF_NAMES
 from ev_sim.measured.free_parameters import free_parameters
 from ev_sim.measured.identification import identify
 from ev_sim.measured.intervals import knowledge
-from ev_sim.measured.open_loop import OpenLoop, graph, windows_of
 from ev_sim.measured.records.record import (
     LATERAL,
     LONGITUDINAL,
@@ -29,6 +28,7 @@ from ev_sim.measured.records.record import (
     Sampled,
     measured,
 )
+from ev_sim.measured.replays.open_loop import OpenLoop, graph, windows_of
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides
 

@@ -34,6 +34,7 @@ setup(
     zip_safe=True,
     entry_points={
         "console_scripts": NODES if IS_COLCON else [],
+        "ev_stack.estimators": ["ev_control = ev_control.estimation.on_records"],
         "ev_stack.nodes": NODES,
         "ev_stack.methods": [
             "electronic_differential = ev_control.methods.electronic_differential",

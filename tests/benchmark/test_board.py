@@ -13,7 +13,7 @@ import pytest
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.driving import drawn, drive_cell, graph_of, values_of
+from ev_sim.benchmark.driving import drawn, drive_cell, run_of, values_of
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.tables import closed_division, law_rows, score_rows
 from ev_sim.command_line.options import arguments, overrides
@@ -44,12 +44,12 @@ def test_cells_are_cars_by_manoeuvres_by_roads():
 def test_every_cell_has_a_graph_and_every_law_suits_it():
     """The whole board without driving it: names of vehicles, runs, parameters, surfaces."""
     for cell in SMALL.cells("*:handling:*"):
-        assert drawn(SMALL, cell, graph_of(SMALL, cell, values_of(SMALL, cell))).values
+        assert drawn(SMALL, cell, run_of(SMALL, cell, values_of(SMALL, cell)).configurations).values
 
 
 def test_draws_are_those_of_the_seed_within_their_bounds():
     (cell,) = SMALL.cells(STEP)
-    base = graph_of(SMALL, cell, values_of(SMALL, cell))
+    base = run_of(SMALL, cell, values_of(SMALL, cell)).configurations
     one, again, other = (drawn(board, cell, base) for board in (SMALL, SMALL, replace(SMALL, seed=2)))
     assert one == again != other
     mass = np.array(one.values["*.vehicle.mass"]) / 1600.0
@@ -88,7 +88,7 @@ def test_the_command_of_a_run_drives_it_again(result: BoardResult):
     run = load_scenario(given.scenario, overrides(given), given.run).runs[0]
     assert (run.name, len(given.run)) == ("left", 1)
     motion = true_motion(run_offline(run.configurations, run.duration), run.configurations)
-    for name, metric in named_metrics(SMALL.manoeuvres["step_steer"].metrics).items():
+    for name, metric in named_metrics(SMALL.manoeuvres["step_steer"].measured).items():
         assert metric.measured(driven_run(motion, run.configurations)).value == result.cells[0].metrics["pi"][name][1]
 
 
@@ -142,11 +142,11 @@ def test_what_cannot_be_driven_alone_is_one_line(words: list[str], line: str):
         ("roads: [dry, wet, snow]", "roads: [mud]", "unknown road of step_steer 'mud'"),
         ("energy: [battery_energy]", "energy: [distance]", "metric distance of step_steer is better neither"),
         (
-            "dry: [dry_asphalt, dry_asphalt]",
-            "dry: [dry_asphalt]",
-            "road dry is ['dry_asphalt'], allowed is a list of",
+            "dry: {left: [dry_asphalt],",
+            "dry: {left: [dry_asphalt, ice],",
+            "road dry needs as many surfaces left as right, and a length for all but the last",
         ),
-        ("wet: [wet_asphalt_2,", "wet: [mud,", "unknown surface of wet 'mud'"),
+        ("wet: {left: [wet_asphalt_2]", "wet: {left: [mud]", "unknown surface of wet 'mud'"),
         (
             "handling: [yaw_rate_error,",
             "handling: [1,",

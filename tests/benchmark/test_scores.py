@@ -22,6 +22,11 @@ def test_a_cost_is_a_ratio_and_the_reference_costs_one():
     assert costs([0.1, 0.1, 0.1], [0.05, 0.2, 0.5]).tolist() == [[1.0, 1.0, 1.0], pytest.approx([0.5, 2.0, LARGEST])]
 
 
+def test_a_cost_without_metrics_is_one_unless_the_run_is_lost():
+    unstable = np.array([[False, False, False], [False, True, False]])
+    assert costs_of({}, [], SCALES, "without", unstable).tolist() == [[1.0] * 3, [1.0, LARGEST, 1.0]]
+
+
 def test_what_is_below_the_scale_is_no_difference():
     """1e-9 against 1e-6 rad on a straight road is a thousandth of a hundredth of a radian, not a factor of 1000."""
     assert costs([1e-9] * 3, [1e-6] * 3)[1] == pytest.approx([1.0001] * 3)

@@ -33,7 +33,7 @@ BENCHMARKS = {
 # Those that nothing else starts; lock, site and wheels take packages from elsewhere, .ci/run starts suite and campaign.
 SCRIPTS = {"determinism": ("--trials", "1", "--seconds", "0.1", "--only", "double_lane_change")}
 
-LONG = ("lockstep", "native")  # ten seconds each, whatever they are told
+LONG = ("dashboard", "lockstep", "native", "soak", "strangers")  # five or ten seconds each, whatever they are told
 
 pytestmark = pytest.mark.slow
 

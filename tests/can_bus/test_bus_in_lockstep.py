@@ -125,7 +125,7 @@ def faulty():
     return run, run_offline(run.configurations, run.duration)
 
 
-@pytest.mark.parametrize("way", [run_in_process, run_in_processes])
+@pytest.mark.parametrize("way", [run_in_process, pytest.param(run_in_processes, marks=pytest.mark.weekly)])
 def test_bench_and_bus_give_the_same_bits_in_all_ways_of_running(faulty, way, tmp_path):
     run, offline = faulty
     assert offline.channels["can.bus.lost_11"][-1] > 5.0

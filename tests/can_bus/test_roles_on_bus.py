@@ -197,6 +197,7 @@ def test_without_multicast_a_run_has_a_hub_of_its_own(monkeypatch, tmp_path: Pat
 
 
 @pytest.mark.slow
+@pytest.mark.weekly
 def test_a_run_in_real_time_has_its_frames_on_a_real_bus(tmp_path: Path):
     """Gateway and inverters in processes of their own over udp_multicast; the log has the frames of both ends.
 

@@ -14,7 +14,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 pytestmark = pytest.mark.slow
 
 SEED = 1
-STEPS = 600
+STEPS = 300
 FEWER_STEPS = 200  # of the laws whose state is long, for every number of it is looked at in every step
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": ["rear_left", "rear_right"]}
@@ -101,7 +101,7 @@ def test_launches_are_limited(name, changed):
     law = create(c.method, c.parameters, c.common.vehicle, c.common.control_period)
     launches = RandomInputs(c.method.reads, SEED, c.common.control_period)
     limited = 0
-    for _ in range(STEPS):
+    for _ in range(2 * STEPS):
         request, *others = launches.next()
         said = law.step(request, *others)
         if name in SPEED_MODE:

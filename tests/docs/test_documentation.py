@@ -124,6 +124,7 @@ def drive_with_own_node(out: Path, *arguments: str) -> Path:
     return out / "signals.npz"
 
 
+@pytest.mark.weekly
 def test_own_node_with_an_equal_law_gives_the_equal_hash(built_in: Path, tmp_path: Path):
     """The limit of 1000 N m is never reached, so the law is that of `off`."""
     own = drive_with_own_node(tmp_path / "own")

@@ -152,17 +152,13 @@ def test_where_uv_is_of_no_use_pip_installs_and_one_line_says_so(why, checkout):
 
 @pytest.mark.slow
 def test_another_file_than_the_lock_names_is_refused_and_nothing_is_left_behind(checkout):
-    """By uv and by pip; with the right one it goes on."""
-    right = checkout.wheels / "colcon-1.0-py3-none-any.whl"
-    right.rename(checkout.wheels / "right")
+    """By uv and by pip."""
+    (checkout.wheels / "colcon-1.0-py3-none-any.whl").unlink()
     wheel(checkout.wheels, "colcon", {"colcon/__init__.py": "import evil"})
     status, said = checkout.set_up()
     assert status == 1
     assert "DO NOT MATCH THE HASHES" in said
     assert not (checkout.root / ".venv").exists()
-    (checkout.wheels / "right").rename(right)
-    assert checkout.set_up()[0] == 0
-    assert checkout.is_complete
 
 
 @pytest.mark.slow
@@ -207,8 +203,10 @@ def test_two_calls_at_once_set_up_once(checkout, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("distribution", ["jazzy", "kilted", "lyrical", "rolling"])
-@pytest.mark.sampled
+@pytest.mark.parametrize(
+    "distribution",
+    ["kilted", *(pytest.param(name, marks=pytest.mark.weekly) for name in ("jazzy", "lyrical", "rolling"))],
+)
 def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, checkout, tmp_path):
     """Not ROS, and numpy as the distribution has it; by pip, for uv does not see what the distribution has."""
     (tmp_path / "ros2").write_text("#!/bin/sh\n")

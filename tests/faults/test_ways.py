@@ -81,7 +81,7 @@ def test_a_network_that_loses_messages_changes_nothing():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", ["one process", "processes"])
+@pytest.mark.parametrize("way", ["one process", pytest.param("processes", marks=pytest.mark.weekly)])
 def test_over_dds_the_same_hash(way, tmp_path):
     chosen = run(FAULTS)
     if way == "processes":

@@ -49,6 +49,7 @@ def files_below(folder: Path, name: str) -> set[str]:
 
 
 @pytest.mark.slow
+@pytest.mark.weekly
 def test_wheels_and_the_notebook_need_nothing_else(tmp_path):
     wheels, bare = tmp_path / "wheels", tmp_path / "bare"
     subprocess.run([ROOT / "scripts" / "build_wheels.sh", wheels], check=True, capture_output=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ev_sim.measured.open_loop import graph
+from ev_sim.measured.replays.open_loop import graph
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Overrides

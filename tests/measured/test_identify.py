@@ -16,7 +16,7 @@ from ev_sim.measured.free_parameters import FreeParameter, free_parameters
 from ev_sim.measured.identification import Residuals
 from ev_sim.measured.intervals import in_words, knowledge
 from ev_sim.measured.journal import Journal
-from ev_sim.measured.open_loop import graph
+from ev_sim.measured.replays.open_loop import graph
 from ev_sim.scenarios.about import vehicle_of
 from ev_sim.scenarios.scenario import Overrides
 

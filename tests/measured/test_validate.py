@@ -11,9 +11,11 @@ from measured.made_records import CAR, PERIOD, columns_of, driven, write
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.commands.run_scenario import main
-from ev_sim.measured.open_loop import graph
+from ev_sim.measured.replays.open_loop import graph
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides
+
+IN_CORRIDORS = ("steering_angle", "twist.yaw_rate", "sideslip")
 
 
 def test_the_car_that_made_the_record_is_found_right_and_a_softer_one_wrong(tmp_path, capsys):
@@ -25,7 +27,7 @@ def test_the_car_that_made_the_record_is_found_right_and_a_softer_one_wrong(tmp_
     of = ["validate", record, "--window", "2"]
     main([*of, "--vehicle", CAR, "--out", str(tmp_path / "right")])
     page = (tmp_path / "right" / "report.html").read_text()
-    assert page.count("data:image/png") == 2
+    assert page.count("data:image/png") == 3
     assert "compact_ev against made.csv" in page
     out = capsys.readouterr().out
     assert "twist.yaw_rate" in out
@@ -34,8 +36,10 @@ def test_the_car_that_made_the_record_is_found_right_and_a_softer_one_wrong(tmp_
     assert found["errors"]["twist.yaw_rate"]["explained"] > 0.9999
     assert found["errors"]["sideslip"]["explained"] > 0.999
     assert found["metrics"]["windows_left"]["value"] == 0.0
+    assert {name: each["share"] for name, each in found["corridors"].items()} == dict.fromkeys(IN_CORRIDORS, 1.0)
     main([*of, "--no-report", "--vehicle", "audi_a2", "--out", str(tmp_path / "wrong")])
     wrong = json.loads((tmp_path / "wrong" / "summary.json").read_text())
+    assert wrong["corridors"]["twist.yaw_rate"]["share"] < 1.0
     assert wrong["errors"]["twist.yaw_rate"]["rms"] > 10.0 * found["errors"]["twist.yaw_rate"]["rms"]
 
 

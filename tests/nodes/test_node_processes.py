@@ -63,7 +63,7 @@ def wait_until(holds: Callable[[], bool]) -> None:
         time.sleep(0.05)
 
 
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("kind", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.weekly)])
 def test_every_node_ends_in_peace_when_it_is_told_to(kind, tmp_path):
     """Without a run, in the middle of waiting for each other; it has said that it is ready, and says no more."""
     with ros_domain() as context:

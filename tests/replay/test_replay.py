@@ -152,6 +152,7 @@ def test_as_recorded_every_role_says_the_same_bits(tmp_path: Path):
 
 
 @pytest.mark.slow
+@pytest.mark.weekly
 def test_node_of_ones_own_takes_part_in_lockstep(turn: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
     command = f"{sys.executable} {ROOT / 'docs' / 'examples' / 'own_node.py'}"
     words = [str(turn), "--node", f"asr={command}", "--duration", "1", "--no-report", "--out", str(tmp_path)]

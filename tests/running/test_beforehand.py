@@ -120,13 +120,21 @@ def started(text: str, cache: Path) -> subprocess.Popen:
     )
 
 
+FUNCTION = """
+text = "from numba import njit\\n@njit\\ndef step():\\n    return 7"
+print(machine_code.compiled_function("seven", text, {})())
+"""
+
+
 @pytest.mark.slow
-def test_processes_that_need_the_same_code_at_once_compile_it_once(tmp_path):
+@pytest.mark.parametrize(("text", "kind"), [(ADDRESS, ".code"), (FUNCTION, ".numba")], ids=["C", "Python"])
+def test_processes_that_need_the_same_code_at_once_compile_it_once(text, kind, tmp_path):
+    """Whether C calls it or Python."""
     cache = tmp_path / "cache"
-    said = [process.communicate() for process in [started(ADDRESS, cache) for _ in range(4)]]
+    said = [process.communicate() for process in [started(text, cache) for _ in range(4)]]
     assert [out for out, _ in said] == ["7\n"] * 4
     assert sum(err.count("compiling seven ... (once)") for _, err in said) == 1
-    assert [file.suffix for file in cache.iterdir()] == [".code"]
+    assert [file.suffix for file in cache.iterdir()] == [kind]
 
 
 @pytest.mark.slow

@@ -219,7 +219,9 @@ def test_broken_yaml_is_named_with_its_line(tmp_path: Path):
     assert re.search(r"broken\.yaml: not readable as YAML in line \d", result.stderr)
 
 
-@pytest.mark.parametrize("name", ["plant", pytest.param("asr", marks=pytest.mark.weekly), "recorder"])
+@pytest.mark.parametrize(
+    "name", ["plant", *(pytest.param(name, marks=pytest.mark.weekly) for name in ("asr", "recorder"))]
+)
 def test_killing_a_node_ends_the_run_and_leaves_nothing(name: str, tmp_path: Path):
     """One of each kind; 5 s are the limit that the project has set itself for a run of which a node has died."""
     running = Running(tmp_path / "out")
@@ -282,7 +284,7 @@ def test_realtime_takes_its_time_and_says_that_it_is_not_reproducible(tmp_path: 
     assert content["timing"]["shchur2019"]["steps"] == 100
 
 
-@pytest.mark.parametrize("way", [(), ("--in-process",)], ids=["dds", "one"])
+@pytest.mark.parametrize("way", [pytest.param((), marks=pytest.mark.weekly), ("--in-process",)], ids=["dds", "one"])
 def test_sigterm_stops_everything_too(way: tuple[str, ...], tmp_path: Path):
     """What `timeout` and a cancelled job send; only the script gets it, not its nodes."""
     running = Running(tmp_path / "out", *way)
@@ -293,7 +295,8 @@ def test_sigterm_stops_everything_too(way: tuple[str, ...], tmp_path: Path):
     assert len(load(running.folder / "signals.npz").time) > 50
 
 
-@pytest.mark.parametrize("name", ["plant", pytest.param("recorder", marks=pytest.mark.weekly)])
+@pytest.mark.weekly
+@pytest.mark.parametrize("name", ["plant", "recorder"])
 def test_a_node_that_is_told_to_stop_ends_the_run(name: str, tmp_path: Path):
     """It ends with status 0, as these two do at the end of a run."""
     running = Running(tmp_path / "out")

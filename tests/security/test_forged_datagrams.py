@@ -22,7 +22,7 @@ FORGED = 3.0  # a finite number that no node of the run says
 @pytest.mark.parametrize(
     ("drive", "forged", "to", "topic"),
     [
-        (run_in_processes, "asr", "plant", "torque_command"),
+        pytest.param(run_in_processes, "asr", "plant", "torque_command", marks=pytest.mark.weekly),
         (run_in_process, "asr", "plant", "torque_command"),
         pytest.param(run_in_processes, "driver", "recorder", "driver/command", marks=pytest.mark.weekly),
     ],

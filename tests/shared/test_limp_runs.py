@@ -14,7 +14,7 @@ from ev_sim.measures.metric import channel
 
 pytestmark = pytest.mark.slow
 
-SEEDS = int(os.environ.get("EV_CASES", "1000"))
+SEEDS = int(os.environ.get("EV_CASES", "300"))
 LIMP = {"asr": "limp_home"}
 
 

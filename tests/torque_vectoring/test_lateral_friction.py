@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
@@ -43,20 +43,27 @@ def driven(scenario: str, run: str, scale: float, road: str) -> Result:
     return ev_sim.run(scenario, [run], vehicle="layout_1_8_c", duration=3.5, set=values)
 
 
-def believed(result: Result, stiffer: float = 1.0, brakes: float = 0.0) -> np.ndarray:
-    """The friction that is believed in at each step: grip over load, by sensors alone."""
+def estimated(result: Result, stiffer: float = 1.0, brakes: float = 0.0, first: float = 1.2) -> Iterator[Any]:
+    """Grip over load at each step, as the law believes by sensors alone, and what the side forces show of it.
+
+    That begins at `first`, and rises by itself only from 1.2.
+    """
     vehicle = result.scenario.runs[0].configurations["plant"].common.vehicle
     parameters = KnownMotionParameters()
     p, car = namespace(number_tree(parameters)), namespace(car_numbers(vehicle))
     front, rear = axle_cornering_stiffnesses(vehicle)
     p.observer.front_cornering_stiffness, p.observer.rear_cornering_stiffness = stiffer * front, stiffer * rear
-    state, found = unknown_motion(parameters), []
+    state = unknown_motion(parameters)
+    state.lateral.friction, p.friction.rise = first, p.friction.rise if first == 1.2 else 0.0
     for n in range(len(result.time)):
         driver, *rest = (signal_at(result.signals, kind, n) for kind in READS)
         driver = driver._replace(brake_torque=brakes)
         grip = known_motion(p, car, state, PERIOD, KNOWN_BY.index("estimated"), driver, *rest).grip
-        found.append(((grip[0] + grip[1]) + (grip[2] + grip[3])) / (vehicle.mass * GRAVITY))
-    return np.array(found)
+        yield ((grip[0] + grip[1]) + (grip[2] + grip[3])) / (vehicle.mass * GRAVITY), state.lateral.friction
+
+
+def believed(result: Result, stiffer: float = 1.0, brakes: float = 0.0) -> np.ndarray:
+    return np.array([grip for grip, _ in estimated(result, stiffer, brakes)])
 
 
 def signal_at(signals: Mapping[str, np.ndarray], kind: type, n: int) -> Any:
@@ -108,3 +115,18 @@ def test_below_the_limit_nothing_is_known():
 
 def test_while_the_driver_brakes_nothing_is_learnt():
     assert believed(driven("step_steer", "left", 3.0, "packed_snow_1"), brakes=100.0).min() == UNKNOWN
+
+
+def test_wheels_that_spin_up_show_no_friction_that_is_not_there():
+    """2880 N m at the rear wheels on snow at 8 m/s: of 0.3 no more is made than the road has.
+
+    Their torque over their load is 1.3; the road takes less than half of it, the rest turns the wheels faster.
+    """
+    values: dict[str, Any] = {f"plant.road.{side}": ["packed_snow_1"] for side in ("left", "right")}
+    values |= {"*.vehicle.driven_wheels": ["rear_left", "rear_right"], "plant.initial_speed": 8.0}
+    values |= {"driver.pedals.drive_torque": [0.0, 0.0, 3000.0], "driver.pedals.brake_torque": [0.0, 0.0, 0.0]}
+    result = ev_sim.run("launch_split_mu", ["steered"], vehicle="compact_ev", duration=2.0, set=values)
+    road = result.signals["tire_forces.friction_coefficient.rear_left"].max()
+    assert max(result.signals["tire_forces.slip_ratio.rear_left"]) > 0.5
+    shown = [lateral for _, lateral in estimated(result, first=0.3)]
+    assert 0.3 < max(shown) < road

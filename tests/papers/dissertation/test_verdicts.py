@@ -130,8 +130,7 @@ def test_motors_too_weak_to_spin_on_snow_make_no_control_better(id: str):
     [
         *("diss.requirement.smooth", "diss.asr.torque_falls", "diss.ideal.proportion", "diss.bench.load_above"),
         *("diss.burckhardt.C1", "diss.burckhardt.C3"),
-        pytest.param("diss.direct_torque", marks=pytest.mark.weekly),
-        pytest.param("diss.direct_torque.fastest", marks=pytest.mark.slow),
+        *(pytest.param(id, marks=pytest.mark.weekly) for id in ("diss.direct_torque", "diss.direct_torque.fastest")),
     ],
 )
 def test_claims_that_do_not_hold(id: str):

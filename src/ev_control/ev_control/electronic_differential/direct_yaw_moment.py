@@ -181,6 +181,7 @@ def direct_yaw_moment(
         follow_saturation(s.integral, period, p.tracking_time, given - turned_by(car, request.drive))
     else:
         s.integral.moment = 0.0
+    if fast == 0.0 or p.controller != SUBOPTIMAL:
         forget_extrema(s.suboptimal)
     return request
 

@@ -100,9 +100,10 @@ def lateral_friction(
     follow_forces(p, car, s.front, period, tyres.front_cornering_stiffness, slip_angles.front, speed, side)
     side = (across * (car.wheelbase - rear_arm) - by_tyres) / car.wheelbase
     follow_forces(p, car, s.rear, period, tyres.rear_cornering_stiffness, slip_angles.rear, speed, side)
-    share = filter_share(period, p.filter_time)
-    s.front.along += share * ((effort[0] + effort[1]) / radius - s.front.along)
-    s.rear.along += share * ((effort[2] + effort[3]) / radius - s.rear.along)
+    # Wheels that spin up take torque that the road does not carry: no axle pushes more than the car is accelerated.
+    share, most = filter_share(period, p.filter_time), car.mass * abs(imu.longitudinal_acceleration)
+    s.front.along += share * (min(max((effort[0] + effort[1]) / radius, -most), most) - s.front.along)
+    s.rear.along += share * (min(max((effort[2] + effort[3]) / radius, -most), most) - s.rear.along)
     slides = slides_aside(p, s.front, tyres.front_cornering_stiffness)
     slides = (slides_aside(p, s.rear, tyres.rear_cornering_stiffness) or slides) and abs(speed) >= p.slowest
     s.slides = 1.0 if slides else 0.0

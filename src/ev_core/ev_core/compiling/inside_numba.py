@@ -15,7 +15,7 @@ import os
 import pickle
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import cache
 from importlib.machinery import PathFinder
 from pathlib import Path
@@ -31,12 +31,12 @@ VARIABLE = "EV_STACK_PLAIN_NUMBA"
 # By touch the names of numba that it needs, as far as they can be looked for.
 TOUCHES = {
     "callees": "core.codegen:JITCodeLibrary._finalize_dynamic_globals core.codegen:JITCPUCodegen.create_library "
-    "core.codegen:JITCodeLibrary._verify_declare_only_symbols core.codegen:JITCPUCodegen.set_env "
-    "core.codegen:JITCodeLibrary._optimize_final_module core.compiler_lock:global_compiler_lock",
+    "core.codegen:JITCodeLibrary._verify_declare_only_symbols core.codegen:JITCPUCodegen._module_pass_manager "
+    "core.codegen:JITCPUCodegen.set_env core.compiler_lock:global_compiler_lock",
     "stack": "extending:lower_builtin core.cgutils:alloca_once np.arrayobj:make_array np.arrayobj:populate_array",
     "edits": "core.typing.context:BaseContext.refresh core.typing.context:BaseContext.resolve_value_type",
     "overloads": "core.caching:NullCache core.compiler:CompileResult._rebuild core.compiler:CompileResult._reduce "
-    "core.serialize:dumps core.codegen:CodeLibrary.has_dynamic_globals",
+    "core.serialize:dumps core.codegen:CodeLibrary.has_dynamic_globals core.dispatcher:Dispatcher.compile",
     "object_code": "core.codegen:CodeLibrary._get_compiled_object core.codegen:CodeLibrary.has_dynamic_globals",
     "options": "",
 }
@@ -107,7 +107,11 @@ def _libraries() -> tuple[type, type]:
     from numba.core.codegen import JITCodeLibrary
 
     class Callee(JITCodeLibrary):
-        """Optimised, and complete as what it is linked into takes it."""
+        """Optimised roughly, for what it is linked into is optimised wholly, and complete as that takes it."""
+
+        def _optimize_final_module(self) -> None:
+            manager, builder = self._codegen._module_pass_manager(slp_vectorize=False, cost="cheap")
+            manager.run(self._final_module, builder)
 
         def _finalize_final_module(self) -> None:
             self._finalize_dynamic_globals()
@@ -140,10 +144,7 @@ def make_memory_known() -> None:
 
     @type_callable(working_memory)
     def _type(context: Any) -> Any:
-        def typer(layout: Any) -> Any:
-            return types.Array(layout.dtype, 1, "C") if isinstance(layout, types.DType) else None
-
-        return typer
+        return lambda layout: types.Array(layout.dtype, 1, "C") if isinstance(layout, types.DType) else None
 
     @lower_builtin(working_memory, types.DType)
     def _lowered(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -178,11 +179,15 @@ def forget_made_of(functions: Sequence[Callable[..., Any]]) -> None:
 
 
 def keep_overloads(
-    function: Any, ready: Callable[[], None], read: Callable[[str], bytes | None], write: Callable[[str, bytes], None]
+    function: Any,
+    ready: Callable[[], None],
+    alone: Callable[[], AbstractContextManager[None]],
+    read: Callable[[str], bytes | None],
+    write: Callable[[str, bytes], None],
 ) -> None:
-    """Let numba `read` what it has made of a function for types, given as a text, and `write` what it makes.
+    """Let numba, once `ready`, `read` what it has made of a function for types, given as a text, and `write` it.
 
-    Code that holds addresses of this process is not written. Before it looks for any, numba is made `ready`.
+    It does so within `alone`, so that of several processes one compiles; addresses of this process are not written.
     """
     if not is_used("overloads"):
         return
@@ -201,7 +206,11 @@ def keep_overloads(
             if not made.library.has_dynamic_globals:
                 write(repr(_with_names(signature)), dumps(made._reduce()))
 
-    function._cache = Kept()
+    def compiled(signature: Any) -> Any:
+        with alone():
+            return type(function).compile(function, signature)
+
+    function._cache, function.compile = Kept(), compiled
 
 
 def _with_names(kinds: Sequence[Any]) -> list[Any]:

@@ -223,7 +223,7 @@ def _keep(function: Any, key: str, reach: Reach) -> None:
             write_checked(file(kinds), made)
             forget_older(key)
 
-    inside_numba.keep_overloads(function, register_functions, read, write)
+    inside_numba.keep_overloads(function, register_functions, lambda: alone(key), read, write)
 
 
 def compiled_address(key: str, text: str, names: dict[str, Any]) -> int:

@@ -27,10 +27,10 @@ from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.batches import observer
 from ev_sim.batches.observer import Observation, Reduction, result
 from ev_sim.batches.whole_runs import WholeRuns
+from ev_sim.measures.registry import NamedMetric
 from ev_sim.recording.offline import written_topics
 
-EVERY_ROLE = "*"
-_VEHICLE, _SENSORS = "vehicle.", "sensors."
+EVERY_ROLE, _VEHICLE, _SENSORS = "*", "vehicle.", "sensors."
 _OF_ALL_RUNS = ("method", "control_period", "mode")
 _SEED = entries_by_name(CommonParameters)["seed"]
 
@@ -241,7 +241,7 @@ def batch(
     initial_states: Mapping[str, Any] | None = None,
     signals: Sequence[str] = (),
     every: int = 1,
-    metrics: Mapping[str, Reduction] | Sequence[str] | None = None,
+    metrics: Mapping[str, Reduction] | Sequence[str | NamedMetric] | None = None,
     threads: int | None = None,
     hashes: bool = False,
 ) -> BatchResult:

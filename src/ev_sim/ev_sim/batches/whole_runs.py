@@ -9,7 +9,7 @@ import numpy as np
 from ev_core.lockstep.configuration import Configuration
 from ev_sim.batches.observer import Observation
 from ev_sim.measures.own_metrics import named_metrics
-from ev_sim.measures.registry import driven_run, refuse_unmeasurable
+from ev_sim.measures.registry import NamedMetric, driven_run, refuse_unmeasurable
 from ev_sim.recording.offline import true_motion, written_topics
 from ev_sim.recording.recording import Recording, signal_hash
 
@@ -24,7 +24,7 @@ class WholeRuns:
 
     def __init__(
         self,
-        texts: Sequence[str],
+        texts: Sequence[str | NamedMetric],
         configurations: Mapping[str, Configuration],
         runs: int,
         times: np.ndarray,

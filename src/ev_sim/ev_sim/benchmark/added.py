@@ -11,7 +11,7 @@ from ev_core.lockstep.configuration import refuse_unused
 from ev_core.lockstep.finding import is_code
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.benchmark.board import Board
-from ev_sim.benchmark.driving import ROLE, graph_of, law_of, values_of
+from ev_sim.benchmark.driving import ROLE, law_of, run_of, values_of
 from ev_sim.scenarios.about import NAMESPACE
 from ev_sim.scenarios.parameter_file import ParameterFile
 
@@ -47,7 +47,7 @@ def check_laws(board: Board, names: Sequence[str]) -> None:
     some = {cell.car: cell for cell in board.cells()}
     for name in names:
         for car, cell in some.items():
-            configuration = law_of(board, name, graph_of(board, cell, values_of(board, cell))[ROLE])
+            configuration = law_of(board, name, run_of(board, cell, values_of(board, cell)).configurations[ROLE])
             for each in board.laws[name]:
                 if each != "method":
                     refuse_unused(each, [configuration])

@@ -12,8 +12,10 @@ import yaml
 
 from ev_core.parameters.data_file import TEXT, TextOfFile, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
+from ev_sim.measures import motion
+from ev_sim.measures.metric import HIGHER
 from ev_sim.measures.own_metrics import named_metrics
-from ev_sim.measures.registry import METRICS
+from ev_sim.measures.registry import METRICS, NamedMetric
 from ev_sim.scenarios.about import configured_file
 from ev_sim.scenarios.parameter_file import marked, read_yaml
 from ev_sim.surfaces import SURFACES
@@ -22,12 +24,20 @@ COSTS = ("handling", "energy")
 SIDES = ("left", "right")
 _ALIKE = ("method", "reference", "allocation", "estimation")  # in the closed division
 FRICTION, TOLD_FRICTION = "friction", "told_friction"  # variations that are no parameters
+ENTRY_SPEED = NamedMetric(
+    "entry_speed", "m/s", "speed at the beginning, the highest one that was driven clean",
+    lambda run: motion.path_speed(run.signals)[0], ("twist.",), HIGHER,
+)  # fmt: skip
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
 class Manoeuvre:
-    """A run of a scenario, the roads that it is driven on, and the metrics of each cost."""
+    """A run of a scenario, the roads that it is driven on, and the metrics of each cost.
+
+    `steering_on`: the road on which the steering angles are found on the very car, by the slow ramp of the scenario.
+    `entry_speed`: bounds of the speed that is raised until the car is not clean any more [m/s], by `halvings`.
+    """
 
     scenario: str
     duration: float
@@ -36,11 +46,33 @@ class Manoeuvre:
     energy: list[str]
     run: str = ""
     values: Mapping[str, Any] = field(default_factory=dict)
+    steering_on: str = ""
+    entry_speed: list[float] = field(default_factory=list)
+    halvings: int = 6
+
+    def metrics(self, *costs: str) -> list[str | NamedMetric]:
+        """What some costs count: names of the registry, expressions whose lower values are better, the entry speed."""
+        texts = dict.fromkeys(text for cost in costs for text in getattr(self, cost))
+        return [ENTRY_SPEED if text == ENTRY_SPEED.name else text for text in texts]
 
     @property
-    def metrics(self) -> list[str]:
-        """All that is measured, each once: names of the registry, or expressions whose lower values are better."""
-        return list(dict.fromkeys((*self.handling, *self.energy, "peak_sideslip")))
+    def measured(self) -> list[str | NamedMetric]:
+        """All that is measured, each once."""
+        return list(dict.fromkeys((*self.metrics(*COSTS), "peak_sideslip")))
+
+
+@dataclass(frozen=True, slots=True)
+class Road:
+    """Surfaces under the left and the right wheels, one behind the other; the lengths of all but the last [m].
+
+    `friction` and `stiffness` are factors on c1 and c3, and on c2 of all its surfaces.
+    """
+
+    left: list[str]
+    right: list[str]
+    length: list[float] = field(default_factory=list)
+    friction: float = 1.0
+    stiffness: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +88,16 @@ class Variation:
     def bounds(self) -> list[float]:
         """The lower and the upper one."""
         return self.factor or self.value or self.count
+
+
+@dataclass(frozen=True, slots=True)
+class HeldOut:
+    """What is kept for the end: cars, bounds of `friction` and `stiffness` of each road, and further variations."""
+
+    cars: list[str]
+    friction: list[float]
+    stiffness: list[float]
+    variations: list[Variation] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,11 +132,12 @@ class Board:
     scales: Mapping[str, float]
     cars: list[str]
     layouts: Mapping[str, list[str]]
-    roads: Mapping[str, list[str]]
+    roads: Mapping[str, Road]
     manoeuvres: Mapping[str, Manoeuvre]
     variations: list[Variation]
     laws: Mapping[str, Mapping[str, Any]]
     closed: list[str] = field(default_factory=list)
+    held_out: HeldOut | None = None
     name: str = ""
 
     def cells(self, pattern: str = "*") -> list[Cell]:
@@ -122,15 +165,22 @@ def read_board(name: str) -> Board:
         raise ParameterError(f"{path}: not readable as YAML: {' '.join(str(error).split())}") from None
     try:
         whole = marked("", dict(_mapping("a board", content)), path)
-        manoeuvres = _mapping("manoeuvres", whole.get("manoeuvres"))
-        whole["manoeuvres"] = {n: _record(Manoeuvre, f"manoeuvre {n}", m) for n, m in manoeuvres.items()}
-        variations = whole.get("variations")
-        whole["variations"] = [_record(Variation, "a variation", v) for v in variations or ()]
+        for entry, of in (("manoeuvres", Manoeuvre), ("roads", Road)):
+            stated = _mapping(entry, whole.get(entry))
+            whole[entry] = {n: _record(of, f"{entry.removesuffix('s')} {n}", each) for n, each in stated.items()}
+        whole["variations"] = _variations(whole)
+        if "held_out" in whole:
+            stated = dict(_mapping("held_out", whole["held_out"]))
+            whole["held_out"] = _record(HeldOut, "held_out", stated | {"variations": _variations(stated)})
         board = _record(Board, "a board", whole | {"name": name})
         _refuse(board, path)
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from None
     return board
+
+
+def _variations(of: Mapping[str, Any]) -> list[Variation]:
+    return [_record(Variation, "a variation", each) for each in of.get("variations") or ()]
 
 
 def _mapping(what: str, content: Any) -> Mapping[str, Any]:
@@ -164,6 +214,8 @@ _KINDS: dict[str, tuple[str, tuple[type, ...]]] = {
     "list": ("a list", (list,)),
     "Mapping": ("a mapping", (Mapping,)),
     "Manoeuvre": ("a mapping", (Manoeuvre,)),
+    "Road": ("a mapping", (Road,)),
+    "HeldOut | None": ("a mapping", (HeldOut,)),
     "Variation": ("a mapping", (Variation,)),
 }
 
@@ -182,22 +234,30 @@ def _refuse(board: Board, path: Path) -> None:
     if not 1 <= board.draws <= 100_000:
         raise ParameterError(f"draws is {board.draws}, allowed is 1 to 100000")
     _known("reference", [board.reference], board.laws)
-    for car in board.cars:
+    kept = board.held_out
+    cars = [*board.cars, *(kept.cars if kept else ())]
+    for car in cars:
         configured_file("vehicle", TextOfFile.of(car.partition(":")[0], path))
-    _known("layout", [car.partition(":")[2] for car in board.cars], board.layouts)
-    for name, surfaces in board.roads.items():
-        if not isinstance(surfaces, list) or len(surfaces) != len(SIDES):
-            raise ParameterError(f"road {name} is {_shown(surfaces)}, allowed is a list of a surface left and right")
-        _known(f"surface of {name}", surfaces, SURFACES)
+    _known("layout", [car.partition(":")[2] for car in cars], board.layouts)
+    for bounds in (kept.friction, kept.stiffness) if kept else ():
+        if len(bounds) != 2 or not 0.0 < bounds[0] <= bounds[1] <= 2.0:
+            raise ParameterError(f"held_out has the bounds {bounds}, allowed are two numbers that rise, above 0 to 2")
+    for name, road in board.roads.items():
+        if not len(road.left) == len(road.right) == len(road.length) + 1:
+            raise ParameterError(f"road {name} needs as many surfaces left as right, and a length for all but the last")
+        _known(f"surface of {name}", [*road.left, *road.right], SURFACES)
     for name, manoeuvre in board.manoeuvres.items():
-        _known(f"road of {name}", manoeuvre.roads, board.roads)
-        for metric in named_metrics(manoeuvre.metrics):
+        _known(
+            f"road of {name}", [*manoeuvre.roads, *([manoeuvre.steering_on] * bool(manoeuvre.steering_on))], board.roads
+        )
+        _refuse_search(name, manoeuvre)
+        for metric in named_metrics(manoeuvre.measured):
             if metric in METRICS and not METRICS[metric].better:
                 raise ParameterError(f"metric {metric} of {name} is better neither low nor high")
             scale = board.scales.get(metric)
             if not (_is(scale, "float") and scale > 0.0):
                 raise ParameterError(f"scales lacks a number above 0 for {metric} of {name}")
-    for variation in board.variations:
+    for variation in [*board.variations, *(kept.variations if kept else ())]:
         bounds = [*variation.factor, *variation.value, *variation.count]
         if len(bounds) != 2 or not bounds[0] <= bounds[1]:
             raise ParameterError(
@@ -211,6 +271,16 @@ def _refuse(board: Board, path: Path) -> None:
     alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
     if len(alike) > 1:
         raise ParameterError(f"closed has laws that differ in one of {', '.join(_ALIKE)}, allowed are equal ones")
+
+
+def _refuse_search(name: str, manoeuvre: Manoeuvre) -> None:
+    bounds = manoeuvre.entry_speed
+    if bounds and not (len(bounds) == 2 and 0.0 < bounds[0] < bounds[1] and 1 <= manoeuvre.halvings <= 30):
+        raise ParameterError(
+            f"entry_speed of {name} is {bounds}, allowed are two speeds that rise, and 1 to 30 halvings"
+        )
+    if not bounds and ENTRY_SPEED in manoeuvre.measured:
+        raise ParameterError(f"entry_speed of {name} is measured, allowed with the bounds entry_speed: [LOW, HIGH]")
 
 
 def _known(what: str, names: Sequence[str], known: Any) -> None:

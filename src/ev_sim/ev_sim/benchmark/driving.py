@@ -6,8 +6,7 @@ import json
 import shlex
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,14 +17,18 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.batch import EVERY_ROLE, batch
 from ev_sim.benchmark.board import FRICTION, SIDES, TOLD_FRICTION, Board, Cell
+from ev_sim.benchmark.entry_speed import CLEAN, at_speeds, clean, highest_clean
+from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
 from ev_sim.recording.recording import combined_hash
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_sim.scenarios.scenario import Overrides, Run, Scenario, load_scenario
+from ev_sim.scenarios.slow_ramp import COLUMN, SCALE, angle_at, driven_slowly
 from ev_sim.surfaces import SURFACES
 
 ROLE = "electronic_differential"
 BELIEF = ("known.error_factor", "error_factor")  # how laws call the friction that they believe in over the true one
 TYRES = ("single_track", "known.observer", "observer")  # groups in which laws keep what they believe of the tyres
+SCALE_OF_ANGLES = f"{COLUMN}.{SCALE}"
 _ANYTHING = 2**31
 
 
@@ -39,9 +42,9 @@ class Draws:
 
 @dataclass(frozen=True)
 class LawInCell:
-    """All runs of a law in a cell: its graph, what varies, and by ROLE.PARAMETER what has the same value in all."""
+    """All runs of a law in a cell: as one is configured, what varies, and by ROLE.PARAMETER what is alike in all."""
 
-    configurations: Mapping[str, Configuration]
+    run: Run
     vary: Mapping[str, Sequence[Any]]
     fixed: Mapping[str, Any]
 
@@ -51,80 +54,115 @@ class DrivenCell:
     """What was measured in a cell: by law and name one number for each draw, NaN where there is none.
 
     `commands` and `hashes` have by law for each draw the line that drives it alone, and the signal hash that this line
-    gives, empty where a number is not finite.
+    gives, empty where a number is not finite; `clean` whether it was, where an entry speed was looked for.
     """
 
     cell: Cell
-    metrics: Mapping[str, Mapping[str, np.ndarray]]
-    commands: Mapping[str, Sequence[str]]
-    hashes: Mapping[str, Sequence[str]]
+    metrics: dict[str, Mapping[str, np.ndarray]]
+    commands: dict[str, Sequence[str]]
+    hashes: dict[str, Sequence[str]]
+    clean: dict[str, np.ndarray]
 
 
 def drive_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | None = None) -> DrivenCell:
     """Drive all draws of a cell with each law; ParameterError for what the file of the board gets wrong."""
-    manoeuvre, name = board.manoeuvres[cell.manoeuvre], run_name(board, cell)
-    measured, commands, hashes = {}, {}, {}
-    for law, runs in laws_in_cell(board, cell, laws).items():
+    manoeuvre = board.manoeuvres[cell.manoeuvre]
+    driven = DrivenCell(cell, {}, {}, {}, {})
+    for law, runs in laws_in_cell(board, cell, laws, threads).items():
+        metrics = [*manoeuvre.measured, *([clean(board, runs.run)] if manoeuvre.entry_speed else [])]
         found = batch(
-            runs.configurations,
-            manoeuvre.duration,
-            runs.vary,
-            metrics=manoeuvre.metrics,
-            threads=threads,
-            hashes=True,
+            runs.run.configurations, manoeuvre.duration, runs.vary, metrics=metrics, threads=threads, hashes=True
         )
-        measured[law] = found.metrics
-        commands[law] = [shlex.join(words_of(board, cell, runs, draw)) for draw in range(board.draws)]
-        hashes[law] = [each and combined_hash({name: each}) for each in found.hashes]
-    return DrivenCell(cell, measured, commands, hashes)
+        driven.metrics[law] = {name: of for name, of in found.metrics.items() if name != CLEAN}
+        driven.clean[law] = found.metrics.get(CLEAN, np.ones(board.draws)) == 1.0
+        driven.commands[law] = [shlex.join(words_of(board, cell, runs, draw)) for draw in range(board.draws)]
+        driven.hashes[law] = [each and combined_hash({runs.run.name: each}) for each in found.hashes]
+    return driven
 
 
-def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str]) -> dict[str, LawInCell]:
-    """By law its runs in a cell, with the same draws for all; ParameterError for what the board's file gets wrong."""
-    fixed = values_of(board, cell)
-    base = graph_of(board, cell, fixed)
-    draws, found = drawn(board, cell, base), {}
+def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | None = None) -> dict[str, LawInCell]:
+    """By law its runs in a cell, with the same draws for all, and at its own entry speeds where they are looked for.
+
+    ParameterError for what the file of the board gets wrong.
+    """
+    fixed, manoeuvre = values_of(board, cell), board.manoeuvres[cell.manoeuvre]
+    base = run_of(board, cell, fixed)
+    of_scenario = base.configurations[ROLE]
+    draws, found = drawn(board, cell, base.configurations), {}
     for law in laws:
-        configurations = {**base, ROLE: law_of(board, law, base[ROLE])}
-        of_law = {f"{ROLE}.{name}": value for name, value in law_values(board, law, base[ROLE]).items()}
-        vary = {**draws.values, **own_draws(configurations[ROLE], draws)}
-        found[law] = LawInCell(configurations, vary, {**fixed, **of_law})
+        configuration = law_of(board, law, of_scenario)
+        of_law = {f"{ROLE}.{name}": value for name, value in law_values(board, law, of_scenario).items()}
+        run = replace(base, configurations={**base.configurations, ROLE: configuration})
+        vary = {**draws.values, **own_draws(configuration, draws)}
+        if manoeuvre.entry_speed:
+            vary |= highest_clean(board, manoeuvre, run, vary, threads)
+        found[law] = LawInCell(run, vary, {**fixed, **of_law})
     return found
 
 
 def values_of(board: Board, cell: Cell) -> dict[str, Any]:
     """By ROLE.PARAMETER what is the same in all runs of a cell: layout, road, and what the manoeuvre sets."""
-    layout = cell.car.partition(":")[2]
-    road = {"pattern": "constant", "own": list(SIDES), **{side: [side] for side in SIDES}}
-    values = {f"{EVERY_ROLE}.vehicle.driven_wheels": board.layouts[layout]}
-    values |= {f"{MASTER}.road.{name}": value for name, value in (road | _surfaces(board, cell, 1.0)).items()}
-    return values | dict(board.manoeuvres[cell.manoeuvre].values)
+    manoeuvre = board.manoeuvres[cell.manoeuvre]
+    values = {**_layout_and_road(board, cell), **manoeuvre.values}
+    if manoeuvre.steering_on:
+        values[SCALE_OF_ANGLES] = _scale_of_angles(board, replace(cell, road=manoeuvre.steering_on))
+    if manoeuvre.entry_speed:
+        values |= {name: column[0] for name, column in at_speeds(np.array(manoeuvre.entry_speed)).items()}
+    return values
+
+
+def _layout_and_road(board: Board, cell: Cell) -> dict[str, Any]:
+    road = board.roads[cell.road]
+    sides = {
+        side: [f"{side}_{n}" if n else side for n in range(len(surfaces))]
+        for side, surfaces in zip(SIDES, (road.left, road.right), strict=True)
+    }
+    values: dict[str, Any] = {
+        "pattern": "constant",
+        "own": [name for names in sides.values() for name in names],
+        **sides,
+    }
+    if road.length:
+        values |= {"pattern": "segments", "length": road.length}
+    values |= _surfaces(board, cell, 1.0)
+    layout = {f"{EVERY_ROLE}.vehicle.driven_wheels": board.layouts[cell.car.partition(":")[2]]}
+    return layout | {f"{MASTER}.road.{name}": value for name, value in values.items()}
+
+
+def _scale_of_angles(board: Board, cell: Cell) -> float:
+    """By what this car has to turn the steering wheel farther than that of the scenario, from a slow ramp on a road."""
+    values = {**_layout_and_road(board, cell), **board.manoeuvres[cell.manoeuvre].values, SCALE_OF_ANGLES: 1.0}
+    scenario = _scenario(board, cell, values)
+    ramp = scenario.parameters.slow_ramp
+    try:
+        angle = angle_at(driven_slowly(scenario.runs[0], ramp), ramp.lateral_acceleration, ramp.read)
+    except NotMeasured as why:
+        raise ParameterError(f"steering angles of {cell.manoeuvre} for {cell.car}: {why}") from None
+    return angle / ramp.reference_angle
 
 
 def _surfaces(board: Board, cell: Cell, factor: float) -> dict[str, list[float]]:
-    """Both sides as surfaces of one's own with a factor on the friction, at the same slips."""
-    sides = [SURFACES[name] for name in board.roads[cell.road]]
+    """All surfaces of a road as one's own with a factor on the friction, at the same slips: left ones, right ones."""
+    road = board.roads[cell.road]
+    sides = [SURFACES[name] for name in (*road.left, *road.right)]
     return {
-        "own_c1": [factor * side.c1 for side in sides],
-        "own_c2": [side.c2 for side in sides],
-        "own_c3": [factor * side.c3 for side in sides],
+        "own_c1": [factor * road.friction * side.c1 for side in sides],
+        "own_c2": [road.stiffness * side.c2 for side in sides],
+        "own_c3": [factor * road.friction * side.c3 for side in sides],
         "own_rolling_resistance": [side.rolling_resistance for side in sides],
     }
 
 
-def run_name(board: Board, cell: Cell) -> str:
-    """The name of the run that is driven in a cell."""
-    manoeuvre = board.manoeuvres[cell.manoeuvre]
-    return manoeuvre.run or Path(manoeuvre.scenario).stem
+def run_of(board: Board, cell: Cell, values: Mapping[str, Any]) -> Run:
+    """The run of a cell with the law of the scenario's file."""
+    return _scenario(board, cell, values).runs[0]
 
 
-def graph_of(board: Board, cell: Cell, values: Mapping[str, Any]) -> Mapping[str, Configuration]:
-    """The graph of a cell with the law of the scenario's file."""
+def _scenario(board: Board, cell: Cell, values: Mapping[str, Any]) -> Scenario:
     manoeuvre = board.manoeuvres[cell.manoeuvre]
     prepared = tuple((*name.split(".", 1), value) for name, value in values.items())
     overrides = Overrides((), (), manoeuvre.duration, cell.car.partition(":")[0], prepared)
-    scenario = load_scenario(manoeuvre.scenario, overrides, (manoeuvre.run,) if manoeuvre.run else ())
-    return scenario.runs[0].configurations
+    return load_scenario(manoeuvre.scenario, overrides, (manoeuvre.run,) if manoeuvre.run else ())
 
 
 def law_values(board: Board, law: str, base: Configuration) -> dict[str, Any]:

@@ -30,9 +30,10 @@ class BoardResult:
 
     @cached_property
     def unstable(self) -> np.ndarray:
-        """Which runs are, (laws, cells, draws): they slid too far, or ended with a number that is not finite."""
+        """Which runs are, (laws, cells, draws): slid too far, with a number that is not finite, or not clean."""
         sideslip = [[cell.metrics[law]["peak_sideslip"] for cell in self.cells] for law in self.laws]
-        return ~(np.array(sideslip) < self.board.unstable)
+        clean = np.array([[cell.clean[law] for cell in self.cells] for law in self.laws])
+        return ~(np.array(sideslip) < self.board.unstable) | ~clean
 
     @cached_property
     def costs(self) -> dict[str, np.ndarray]:
@@ -41,7 +42,7 @@ class BoardResult:
         for n, cell in enumerate(self.cells):
             manoeuvre = self.board.manoeuvres[cell.cell.manoeuvre]
             for cost in COSTS:
-                texts, board = getattr(manoeuvre, cost), self.board
+                texts, board = manoeuvre.metrics(cost), self.board
                 unstable = self.unstable[:, n]
                 found[cost].append(costs_of(cell.metrics, texts, board.scales, board.reference, unstable))
         return {cost: np.stack(each, axis=1) for cost, each in found.items()}

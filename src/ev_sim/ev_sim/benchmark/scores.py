@@ -13,6 +13,7 @@ import numpy as np
 
 from ev_sim.measures.metric import HIGHER
 from ev_sim.measures.own_metrics import named_metrics
+from ev_sim.measures.registry import NamedMetric
 
 LARGEST = 3.0  # cost of a run that is unstable or has no number, and of any other at most
 RESAMPLES, _AT_ONCE = 1000, 20
@@ -32,7 +33,7 @@ class Score(NamedTuple):
 
 def costs_of(
     metrics: Mapping[str, Mapping[str, np.ndarray]],
-    texts: Sequence[str],
+    texts: Sequence[str | NamedMetric],
     scales: Mapping[str, float],
     reference: str,
     unstable: np.ndarray,
@@ -40,9 +41,9 @@ def costs_of(
     """What each run costs, (laws, draws): the mean of some metrics over those of the reference in the same draw.
 
     1 + (x - x_0)/max(|x_0|, scale) of each metric, with the sign of what is better, within 0 to LARGEST. LARGEST for
-    runs that are `unstable`, (laws, draws), or have no number; 1 where only the reference has none.
+    runs that are `unstable`, (laws, draws), or have no number; 1 where only the reference has none, or without metrics.
     """
-    found = []
+    found = [] if texts else [np.ones(unstable.shape)]
     for name, metric in named_metrics(texts).items():
         sign = -1.0 if metric.better == HIGHER else 1.0
         base = metrics[reference][name]

@@ -6,16 +6,19 @@ It raises what `ev_sim.commands.run_scenario.main` catches.
 from __future__ import annotations
 
 import argparse
+import hashlib
 import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from ev_core.parameters.data_file import TEXT, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.benchmark.added import check_laws, with_added
 from ev_sim.benchmark.board import Board, read_board
 from ev_sim.benchmark.drawing import board_sheet
 from ev_sim.benchmark.driving import drive_cell, laws_in_cell, words_of
+from ev_sim.benchmark.held_out import held_out
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.tables import CELL_COLUMNS, SCORE_COLUMNS, cell_rows, closed_division, score_rows
 from ev_sim.command_line.options import arguments, command_of
@@ -36,7 +39,9 @@ def run_benchmark(argv: Sequence[str]) -> None:
     """Drive the cells of a board with its laws, and print and write their scores and all runs; or drive one run."""
     given = _parser().parse_args(argv)
     begin = time.monotonic()
-    board, added = with_added(_asked(read_board(given.board), given), given.add)
+    if given.secret and given.board:
+        raise ParameterError(f"--secret {quoted(given.secret)} is a board, allowed is no other one beside it")
+    board, added = with_added(_asked(read_board(given.secret or given.board or "small"), given), given.add)
     laws = _laws(board, given.laws, added)
     check_laws(board, added)
     if given.drive:
@@ -48,12 +53,13 @@ def run_benchmark(argv: Sequence[str]) -> None:
         )
     with OutputFolder(given.out or Path("results/benchmark"), "benchmark", FILES) as folder:
         result = drive_board(board, given.cells, laws, given.threads, _words(given))
-        print(text_table(CELL_COLUMNS, cell_rows(result), left=CELL_COLUMNS))
+        if not given.secret:
+            print(text_table(CELL_COLUMNS, cell_rows(result), left=CELL_COLUMNS))
         for title, division in (("closed", closed_division(result)), ("open", result.laws)):
             if division:
                 print(f"\n{title} division")
                 print(text_table(SCORE_COLUMNS, score_rows(result, division), left=("law",)))
-        _write(folder.directory, result, command_of(["benchmark", *argv]))
+        _write(folder.directory, result, command_of(["benchmark", *argv]), given)
         if not given.no_report:
             save_figures(drawn({FIGURE: board_sheet(result)}), folder.directory)
     runs = len(result.cells) * len(result.laws) * board.draws
@@ -75,7 +81,9 @@ def drive_board(
 
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(prog="run.sh benchmark", description="scripts/run.sh benchmark: laws ranked on a board.")
-    parser.add_argument("board", nargs="?", default="small", help="name or path of a board; default: %(default)s")
+    parser.add_argument("board", nargs="?", help="name or path of a board; default: small")
+    parser.add_argument("--secret", metavar="FILE", help="a board of which nothing but the scores is written")
+    parser.add_argument("--held-out", type=int, metavar="SEED", help="cars, roads and draws that the board holds out")
     parser.add_argument("--cells", default="*", metavar="ID", help="those whose ids fit, such as '*:step_steer:*'")
     parser.add_argument("--laws", metavar="NAME,NAME", help="these, the reference and what is added only")
     parser.add_argument(
@@ -122,15 +130,21 @@ def _words(given: argparse.Namespace) -> list[str]:
         (f"--{name}", str(getattr(given, name))) for name in ("draws", "seed") if getattr(given, name) is not None
     ]
     options += [("--add", word) for word in given.add]
-    return ["benchmark", given.board, *(word for option in options for word in option)]
+    if given.held_out is not None:
+        options.append(("--held-out", str(given.held_out)))
+    return ["benchmark", given.board or "small", *(word for option in options for word in option)]
 
 
 def _asked(board: Board, given: argparse.Namespace) -> Board:
-    for name, least in (("draws", 1), ("seed", 0), ("threads", 1)):
+    for name, least in (("draws", 1), ("seed", 0), ("threads", 1), ("held_out", 0)):
         if getattr(given, name) is not None and getattr(given, name) < least:
-            raise ParameterError(f"--{name} {getattr(given, name)} is refused, allowed is {least} or more")
+            option = f"--{name.replace('_', '-')} {getattr(given, name)}"
+            raise ParameterError(f"{option} is refused, allowed is {least} or more")
+    if given.held_out is not None and given.seed is not None:
+        raise ParameterError("--seed is refused beside --held-out: one seed makes cars, roads and draws")
     changed = {name: getattr(given, name) for name in ("draws", "seed") if getattr(given, name) is not None}
-    return replace(board, **changed)
+    board = replace(board, **changed)
+    return board if given.held_out is None else held_out(board, given.held_out)
 
 
 def _laws(board: Board, names: str | None, added: Sequence[str]) -> list[str]:
@@ -141,8 +155,14 @@ def _laws(board: Board, names: str | None, added: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(asked))
 
 
-def _write(folder: Path, result: BoardResult, command: str) -> None:
-    write_summary(folder / "board.json", result.as_json() | {"versions": versions(), "command": command})
+def _write(folder: Path, result: BoardResult, command: str, given: argparse.Namespace) -> None:
+    about = {"held_out": given.held_out, "versions": versions(), "command": command}
+    if given.secret:
+        digest = hashlib.sha256(read_data(Path(given.secret), TEXT)).hexdigest()
+        kept = {name: of for name, of in result.as_json().items() if name != "cells"}
+        write_summary(folder / "board.json", kept | {"board_sha256": digest} | about)
+        return
+    write_summary(folder / "board.json", result.as_json() | about)
     runs = result.runs()
     write_summary(folder / "runs.json", {"runs": runs})
     names = dict.fromkeys(name for run in runs for name in run)

@@ -9,9 +9,11 @@ import argparse
 import hashlib
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ev_core.methods.estimator import estimators
 from ev_core.parameters.data_file import SIGNALS, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.command_line.options import add_changes, command_of, overrides
@@ -22,7 +24,6 @@ from ev_sim.measured.identified import CAR, FILES_OF_IDENTIFICATION, PARTS, Iden
 from ev_sim.measured.intervals import knowledge
 from ev_sim.measured.journal import Journal, search_key
 from ev_sim.measured.motor_map import FILES_OF_MOTOR, MOTOR, fit_motor, motor_table, write_motor
-from ev_sim.measured.open_loop import IMPOSED, ROLES_OF_REPLAY, OpenLoop, Windows, graph, windows_of
 from ev_sim.measured.records.bags import is_foreign
 from ev_sim.measured.records.mapping import read_record, read_standard
 from ev_sim.measured.records.record import (
@@ -34,14 +35,18 @@ from ev_sim.measured.records.record import (
     Sampled,
     measured,
 )
+from ev_sim.measured.replays.corridors import CORRIDOR, corridor_parameters
+from ev_sim.measured.replays.estimates import estimates_of
+from ev_sim.measured.replays.open_loop import IMPOSED, ROLES_OF_REPLAY, OpenLoop, Windows, graph, windows_of
+from ev_sim.measured.replays.validation import FILES, Validation, signals_to_show
 from ev_sim.measured.rig import read_rig
 from ev_sim.measured.tyre_fit import fit_tyre
 from ev_sim.measured.tyre_report import FILES_OF_TYRE, TYRE, tyre_table, write_tyre
-from ev_sim.measured.validation import FILES, Validation, signals_to_show
 from ev_sim.replay.recorded import find_recorded
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.about import vehicle_file
 from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.scenario import Overrides
 
 JOURNAL = "search.journal"  # of a search that is under way
 _OF_A_RUN = (".npz", ".mcap", ".db3", "")  # what a recording of ours may end with; the last is a folder
@@ -56,17 +61,26 @@ def run_validate(argv: Sequence[str]) -> None:
     parser.add_argument(
         "--no-report", action="store_true", help="neither report.html nor figures, numbers all the same"
     )
+    parser.add_argument(
+        "--estimators",
+        action="store_true",
+        help="what the laws estimate from the record as well, beside what was measured",
+    )
     given = parser.parse_args(argv)
     if given.record is None:
         parser.error("which record?")
     record = open_record(given.record, given.mapping)
-    replay = _replay(given, record, windows_of(record, given.window, *given.part))
+    changed, judging = _parted(overrides(given), given.estimators)
+    replay = _replay(given, record, windows_of(record, given.window, *given.part), changed)
+    tolerances = corridor_parameters(judging[CORRIDOR])
+    estimates, lacking = estimates_of(replay, judging) if given.estimators else ([], [])
     with OutputFolder(given.out, "validate", FILES) as folder:
         begin = time.monotonic()
-        found = Validation(replay, {n: v[0] for n, v in replay.simulate().items()}, time.monotonic() - begin)
+        simulated = {n: v[0] for n, v in replay.simulate().items()}
+        found = Validation(replay, simulated, time.monotonic() - begin, tolerances, estimates)
         print(found.table())
         found.write(folder.directory, command_of(["validate", *argv]), not given.no_report)
-    for note in found.notes():
+    for note in (*found.notes(), *lacking):
         print(f"note: {note}")
     print(f"{len(replay.windows)} windows of {given.window:g} s; page, figures, signals, summary: {folder.directory}")
 
@@ -131,7 +145,10 @@ def run_identify(argv: Sequence[str]) -> None:
     begin, end = given.part
     split = begin + given.train * (end - begin)
     parts = {PARTS[0]: (begin, split), **({PARTS[1]: (split, end)} if given.train < 1.0 else {})}
-    replays = {part: _replay(given, record, windows_of(record, given.window, *of)) for part, of in parts.items()}
+    changed = overrides(given)
+    replays = {
+        part: _replay(given, record, windows_of(record, given.window, *of), changed) for part, of in parts.items()
+    }
     replay = replays[PARTS[0]]
     stated, beside = _given(given)
     free = free_parameters(given.free, replay.configurations)
@@ -152,7 +169,7 @@ def run_identify(argv: Sequence[str]) -> None:
         print(found.table())
         found.write(folder.directory, not given.no_report)
         journal.remove()
-    for note in record.notes:
+    for note in (*record.notes, *replay.notes):
         print(f"note: {note}")
     if journal.taken:
         print(f"went on behind {journal.taken} evaluations of a search that was stopped")
@@ -217,12 +234,26 @@ def _part(text: str) -> tuple[float, float]:
     return begin, end
 
 
-def _replay(given: argparse.Namespace, record: MeasuredRecord, windows: Windows) -> OpenLoop:
+def _parted(changed: Overrides, with_estimators: bool) -> tuple[Overrides, dict[str, dict[str, Any]]]:
+    """What is given for the graph, and by their names what for corridors and estimators."""
+    found: dict[str, dict[str, Any]] = {name: {} for name in (CORRIDOR, *estimators())}
+    for file in map(ParameterFile, changed.files):
+        for name, values in found.items():
+            values |= file.values_for(f"/ev/{name}", by_name=True)
+    for name, key, value in changed.values:
+        if name in found:
+            if name != CORRIDOR and not with_estimators:
+                raise ParameterError(f"{name}.{key} is refused without --estimators")
+            found[name][key] = value
+    return replace(changed, values=[each for each in changed.values if each[0] not in found]), found
+
+
+def _replay(given: argparse.Namespace, record: MeasuredRecord, windows: Windows, changed: Overrides) -> OpenLoop:
     if given.duration is not None:
         raise ParameterError("--duration is refused: a replay lasts as long as its windows, allowed is --window")
     if given.vehicle is None:
         raise ParameterError("--vehicle is missing: which car?")
-    configurations = graph(given.vehicle, record.period, overrides(given), given.impose)
+    configurations = graph(given.vehicle, record.period, changed, given.impose)
     return OpenLoop(record, windows, configurations, signals_to_show(), given.impose)
 
 

@@ -32,12 +32,9 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
                 raise NotMeasured(left)  # no cone stands where the car was
             return count
 
-        def passed() -> bool:
+        def in_lanes() -> bool:
             lanes_driven(run, vehicle, course)
-            if _left(run, vehicle, parameters, course) or hit_cones(run, vehicle, course).any():
-                return False
-            _end_of_course(run, vehicle, course)
-            return True
+            return passed(run, vehicle, parameters, course)
 
         def at(which: int) -> float:
             return motion.path_speed(run)[_on_course(run, vehicle, course)][which]
@@ -50,7 +47,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
 
         return {
             "course_passed": metric(
-                passed, "1", "1: in the lanes and on the road to the end, no cone hit; else 0", HIGHER
+                in_lanes, "1", "1: in the lanes and on the road to the end, no cone hit; else 0", HIGHER
             ),
             "cones_hit": metric(hit, "1", "cones that came to lie under the body", LOWER),
             "entry_speed": metric(lambda: at(0), "m/s", "V at the first cone"),
@@ -70,6 +67,18 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
         }
 
     return motion.of_each_run(runs, of)
+
+
+def passed(run: Recording, vehicle: Vehicle, parameters: Parameters, course: Course) -> bool:
+    """Whether a car stays in the lanes of a course, if there is one, and on the road of the driver, and hits no cone.
+
+    NotMeasured if it does neither leave them nor reach the end.
+    """
+    if _left(run, vehicle, parameters, course) or (course.begin and hit_cones(run, vehicle, course).any()):
+        return False
+    if course.begin:
+        _end_of_course(run, vehicle, course)
+    return True
 
 
 def figures(runs: Runs, vehicle: Vehicle, course: Course) -> dict[str, Sheet]:
@@ -107,9 +116,9 @@ def _left(run: Recording, vehicle: Vehicle, parameters: Parameters, course: Cour
     """
     path = {name: value for name, value in parameters.get("driver", {}).items() if name.startswith(_PATH)}
     x, y = channel(run, "pose.x"), channel(run, "pose.y")
-    behind = x > course.end[-1]
+    behind = x > course.end[-1] if course.begin else np.zeros(len(x), bool)
     until = int(behind.argmax()) if behind.any() else len(x)
-    outside = {"its lane": outside_lanes(run, vehicle, course)}
+    outside = {"its lane": outside_lanes(run, vehicle, course)} if course.begin else {}
     if path:
         of = build(PathParameters, path, _PATH)
         outside["the road"] = distances_from(path_of(of), x, y) > of.width / 2

@@ -10,7 +10,7 @@ from scipy.optimize import OptimizeResult, least_squares
 
 from ev_sim.measured.free_parameters import FreeParameter, changes
 from ev_sim.measured.journal import Journal
-from ev_sim.measured.open_loop import OpenLoop
+from ev_sim.measured.replays.open_loop import OpenLoop
 
 STEP = 1e-3  # of a scale, for forward differences: far above rounding, far below any curvature of the errors
 WORST = 50.0  # weighted error of a window whose car has left all numbers behind

@@ -13,9 +13,9 @@ import numpy as np
 from ev_sim.measured.free_parameters import FreeParameter, changes
 from ev_sim.measured.identification import Fitted
 from ev_sim.measured.intervals import Knowledge, in_words
-from ev_sim.measured.open_loop import COMPARED, OpenLoop
 from ev_sim.measured.records.record import quoted_source
-from ev_sim.measured.validation import FILES, Validation
+from ev_sim.measured.replays.open_loop import COMPARED, OpenLoop
+from ev_sim.measured.replays.validation import FILES, Validation
 from ev_sim.measured.vehicle_text import parameter_text, vehicle_text
 from ev_sim.recording.recording import atomic_file
 from ev_sim.report.tables import text_table
@@ -148,4 +148,5 @@ class Identified:
 
 
 def _rms_and_median(validation: Validation, name: str) -> tuple[float, float]:
-    return validation.errors[name].rms, float(np.nanmedian(validation.of_windows[name]))
+    judged = validation.judged[name]
+    return judged.errors.rms, judged.median_window

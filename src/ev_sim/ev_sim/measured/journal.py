@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ev_sim.measured.open_loop import OpenLoop
+from ev_sim.measured.replays.open_loop import OpenLoop
 from ev_sim.study.kept_rows import digest_of_sources
 
 

@@ -17,11 +17,13 @@ from ev_sim.measures.registry import METRICS, DrivenRun, NamedMetric
 FORM = "NAME [UNIT] = EXPRESSION, such as rms_ay [m/s^2] = root_mean_square(imu.lateral_acceleration)"
 
 
-def named_metric(text: str) -> NamedMetric:
+def named_metric(text: str | NamedMetric) -> NamedMetric:
     """A registered metric by its name, or the one that an expression declares; ParameterError, in one line, if neither.
 
-    The unit may be left out of a reduction of a channel, which has that of the channel.
+    The unit may be left out of a reduction of a channel, which has that of the channel. A metric is itself.
     """
+    if isinstance(text, NamedMetric):
+        return text
     if text.strip() in METRICS:
         return METRICS[text.strip()]
     found = re.fullmatch(r"\s*(\w{1,100})\s*(?:\[([^\[\]]{1,20})\])?\s*=(?!=)\s*(.+?)\s*", text, re.DOTALL)
@@ -48,7 +50,7 @@ def named_metric(text: str) -> NamedMetric:
     return NamedMetric(name, unit, expression, of, tuple(dict.fromkeys(_needs(tree))))
 
 
-def named_metrics(texts: Sequence[str]) -> dict[str, NamedMetric]:
+def named_metrics(texts: Sequence[str | NamedMetric]) -> dict[str, NamedMetric]:
     """By name those of some texts; ParameterError also for a name that stands there twice."""
     found: dict[str, NamedMetric] = {}
     for text in texts:

@@ -17,8 +17,8 @@ from scipy.interpolate import CubicSpline
 
 from ev_core.parameters.data_file import find_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.measured.open_loop import graph
 from ev_sim.measured.records.tables import read_columns
+from ev_sim.measured.replays.open_loop import graph
 from ev_sim.measures import motion
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides

@@ -10,12 +10,14 @@ import numpy as np
 from ev_core.parameters.data_file import find_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measured.motor_map import fit_motor
-from ev_sim.measured.open_loop import OpenLoop, graph, windows_of
 from ev_sim.measured.records.mapping import read_record
 from ev_sim.measured.records.record import SIDESLIP, YAW_RATE
+from ev_sim.measured.replays.estimates import estimates_of
+from ev_sim.measured.replays.open_loop import OpenLoop, graph, windows_of
+from ev_sim.measured.replays.validation import Validation, signals_to_show
 from ev_sim.measured.rig import read_rig
 from ev_sim.measured.tyre_fit import KINDS, fit_tyre
-from ev_sim.measured.validation import Validation, signals_to_show
+from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.scenario import Overrides
 from ev_sim.study import energy
 from ev_sim.study.workers import drive_cases
@@ -25,7 +27,7 @@ WINDOW = 5.0  # s
 
 
 def track_record(folder: Path) -> dict[str, float]:
-    """Errors of the identified Ferrari 250 LM on what it was fitted to, and on what was held out."""
+    """Errors of the identified Ferrari 250 LM on what it was fitted to and what was held out, and of the observer."""
     car = find_in_config("measured/ferrari_250lm")
     if car is None:
         raise ParameterError("measured/ferrari_250lm is in no config folder")
@@ -39,9 +41,13 @@ def track_record(folder: Path) -> dict[str, float]:
     first, last = judged
     found = {"track_windows_left": float(last.spun.sum())}
     for name, signal, unit in (("yaw_rate", YAW_RATE, 1.0), ("sideslip", SIDESLIP, np.pi / 180.0)):
-        medians = [float(np.median(each.of_windows[signal])) for each in judged]
-        found[f"track_{name}"] = first.errors[signal].rms / unit
+        medians = [float(np.median(each.judged[signal].of_windows)) for each in judged]
+        found[f"track_{name}"] = first.judged[signal].errors.rms / unit
         found[f"track_{name}_held_out"] = medians[1] / medians[0]
+    believed = ParameterFile(car / "estimators.yaml").values_for("/ev/slip_angle_observer", by_name=True)
+    whole = OpenLoop(record, windows_of(record, WINDOW), configurations)
+    estimates = {each.name: each.judged for each in estimates_of(whole, {"slip_angle_observer": believed})[0]}
+    found["track_observer"] = float(np.degrees(estimates["slip_angle_observer"].errors.rms))
     return found
 
 

@@ -14,7 +14,7 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 YAW_RATE, LATERAL, LONGITUDINAL = "twist.yaw_rate", "twist.lateral", "twist.longitudinal"
 LATERAL_ACCELERATION, LONGITUDINAL_ACCELERATION = "imu.lateral_acceleration", "imu.longitudinal_acceleration"
 ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE = "steering_column.state.road_wheel_angle", "steering_column.state.angle"
-SIDESLIP = "sideslip"  # [rad], which no topic has: atan2 of lateral over longitudinal velocity
+SIDESLIP = "sideslip"  # [rad], which no topic has
 
 UNITS = {
     **{"1": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "m": 1.0, "m/s": 1.0, "km/h": 1 / 3.6, "mph": 0.44704},
@@ -144,8 +144,18 @@ def measured(
             valid &= ~_jumps(channels[name], limit * period)
     notes = _bridge(channels, valid, max(int(mask.bridge / period + 0.5), 0))
     if SIDESLIP not in channels and {LATERAL, LONGITUDINAL} <= channels.keys():
-        channels[SIDESLIP] = np.arctan2(channels[LATERAL], channels[LONGITUDINAL])
+        channels[SIDESLIP] = sideslip(channels[LONGITUDINAL], channels[LATERAL], channels[LONGITUDINAL])
     return MeasuredRecord(source, digest, float(begin), period, channels, valid, notes)
+
+
+def sideslip(longitudinal: np.ndarray, lateral: np.ndarray, measured: np.ndarray) -> np.ndarray:
+    """The sideslip angle [rad] by velocities in the body frame, in reverse that of the rear, as in `measures.motion`.
+
+    The car reverses where the `measured` longitudinal velocity is negative, so that a simulated car that has turned
+    round does not.
+    """
+    direction = np.where(measured < 0.0, -1.0, 1.0)
+    return np.arctan2(direction * lateral, direction * longitudinal)
 
 
 def _move_to_centre(channels: dict[str, np.ndarray], declared: Mapping[str, ColumnParameters], period: float) -> None:

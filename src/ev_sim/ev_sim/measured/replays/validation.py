@@ -3,32 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.figures.panels import IN_FIGURES, Curve, Panel, readable
 from ev_sim.figures.saving import save_figures
 from ev_sim.figures.sheets import Sheet, drawn
-from ev_sim.measured.errors import Errors, by_range, by_window, errors_of, spins
-from ev_sim.measured.open_loop import COMPARED, OpenLoop
-from ev_sim.measured.records.record import LONGITUDINAL, SIDESLIP, YAW_RATE, quoted_source
+from ev_sim.measured.records.record import LONGITUDINAL, ROAD_WHEEL_ANGLE, SIDESLIP, YAW_RATE, quoted_source
+from ev_sim.measured.replays.corridors import (
+    Corridor,
+    CorridorParameters,
+    corridor_sheet,
+    corridor_table,
+    corridors_of,
+)
+from ev_sim.measured.replays.errors import Judged, error_table, judged, spins
+from ev_sim.measured.replays.estimates import Estimate
+from ev_sim.measured.replays.open_loop import COMPARED, OpenLoop
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.recording import PAGE, SIGNALS, SUMMARY, Recording, save
 from ev_sim.report.page.writing import Page, Signals, images_of, write_page
 from ev_sim.report.summary import Summary, write_summary
-from ev_sim.report.tables import text_table
 
 _FORCES = [
     f"tire_forces.{kind}.{wheel}" for kind in ("longitudinal_force", "lateral_force", "load") for wheel in WHEEL_NAMES
 ]
 _EFFORT = "wheel_states.effort."
 _SHOWN = 3  # windows of which the worst are drawn, with what the tyres do there
-FILES = (SUMMARY, SIGNALS, PAGE, "over_time.png", "worst.png")
+FILES = (SUMMARY, SIGNALS, PAGE, "over_time.png", "worst.png", "corridors.png", "estimates.png")
 
 
 @dataclass(frozen=True)
@@ -38,28 +46,31 @@ class Validation:
     replay: OpenLoop
     simulated: Mapping[str, np.ndarray]
     wall_time: float
+    tolerances: CorridorParameters = field(default_factory=CorridorParameters)
+    estimates: Sequence[Estimate] = ()
 
     @property
     def names(self) -> list[str]:
         """The signals of the record that are compared."""
         return self.replay.compared
 
-    @cached_property
-    def errors(self) -> Mapping[str, Errors]:
-        """By signal."""
-        period = self.replay.record.period
-        return {n: errors_of(self.simulated[n], self.replay.measured(n), period) for n in self.names}
+    @property
+    def acceleration(self) -> np.ndarray:
+        """What was imposed of the lateral acceleration, speed times measured yaw rate [m/s^2], (windows, samples)."""
+        return self.replay.measured(LONGITUDINAL) * self.replay.measured(YAW_RATE)
 
     @cached_property
-    def ranges(self) -> Mapping[str, Mapping[str, Errors]]:
-        """By signal and range of what was imposed of the lateral acceleration, speed times measured yaw rate."""
-        acceleration = self.replay.measured(LONGITUDINAL) * self.replay.measured(YAW_RATE)
-        return {n: by_range(self.simulated[n], self.replay.measured(n), acceleration) for n in self.names}
+    def judged(self) -> Mapping[str, Judged]:
+        """How far it is from the record, by signal."""
+        period, acceleration = self.replay.record.period, self.acceleration
+        return {
+            n: judged(COMPARED[n], self.simulated[n], self.replay.measured(n), acceleration, period) for n in self.names
+        }
 
     @cached_property
-    def of_windows(self) -> Mapping[str, np.ndarray]:
-        """By signal the RMS error of each window."""
-        return {n: by_window(self.simulated[n], self.replay.measured(n)) for n in self.names}
+    def corridors(self) -> Mapping[str, Corridor]:
+        """The corridors around what was simulated, by what lies in them."""
+        return corridors_of(self.replay, self.simulated, self.tolerances)
 
     @cached_property
     def spun(self) -> np.ndarray:
@@ -102,34 +113,19 @@ class Validation:
         return [f"RMS of what the simulated drives do not follow of the measured torques: {each}"]
 
     def table(self) -> str:
-        """What the terminal shows: by signal the errors, those of the median window and those by range."""
-        rows = []
-        for name, all_of in self.errors.items():
-            rows.append(
-                [
-                    name,
-                    "all",
-                    *_cells(all_of, COMPARED[name]),
-                    _number(float(np.nanmedian(self.of_windows[name])), COMPARED[name]),
-                ]
-            )
-            for label, each in self.ranges[name].items():
-                rows.append(["", f"{label} m/s2", *_cells(each, COMPARED[name]), ""])
-        columns = ("signal", "v r", "rms", "largest", "bias", "explained", "lag [s]", "samples", "median window")
-        return text_table(columns, rows, left=("signal", "v r"))
+        """What the terminal shows: errors by signal and range, those of estimators, and what lies in corridors."""
+        estimated = {f"{e.name}: {e.channel}": e.judged for e in self.estimates}
+        return f"{error_table({**self.judged, **estimated})}\n\n{corridor_table(self.corridors)}"
 
     def metrics(self) -> dict[str, Metric]:
         """For summary.json and the page."""
-        found = {}
-        for name, each in self.errors.items():
-            unit = COMPARED[name]
-            for what, value in (("rms", each.rms), ("largest", each.largest), ("bias", each.bias)):
-                found[f"{name}_{what}"] = (
-                    Metric(value, unit) if np.isfinite(value) else Metric(None, unit, reason="not finite")
-                )
-            found[f"{name}_median_window"] = Metric(float(np.nanmedian(self.of_windows[name])), unit)
-            if np.isfinite(each.explained):
-                found[f"{name}_explained"] = Metric(each.explained, "1")
+        found: dict[str, Metric] = {}
+        for name, each in self.judged.items():
+            found |= each.metrics(name)
+        for estimate in self.estimates:
+            found |= estimate.judged.metrics(f"{estimate.name}_{estimate.channel}")
+        for name, corridor in self.corridors.items():
+            found[f"{name}_in_corridor"] = corridor.metric
         return found | {
             "windows": Metric(float(len(self.spun)), "1"),
             "windows_left": Metric(float(self.spun.sum()), "1"),
@@ -159,10 +155,30 @@ class Validation:
             span = float(np.max(np.abs(one))) * 1.3
             panels.append(_panel(readable(name), name, time, {"measured": one, "simulated": other}, span))
             panels.append(_panel(f"error of {readable(name)}", name, time, {"": other - one}, span))
-        return {"over_time": Sheet(panels), "worst": self._worst()}
+        sheets = {"over_time": Sheet(panels), "worst": self._worst(), "corridors": corridor_sheet(self.corridors)}
+        if self.estimates:
+            sheets["estimates"] = Sheet([panel for each in self.estimates for panel in self._estimated(each)])
+        return sheets
+
+    def _estimated(self, estimate: Estimate) -> list[Panel]:
+        """Beside what was measured, and how far it is off, window behind window."""
+        time, found, measured = (
+            x.ravel()
+            for x in (
+                self.replay.windows.of(self.replay.record.time),
+                estimate.values,
+                self.replay.measured(estimate.channel),
+            )
+        )
+        title, span = f"{readable(estimate.name)}", float(np.max(np.abs(measured))) * 1.3
+        both = {"measured": measured, "estimated": found}
+        return [
+            _panel(title, estimate.channel, time, both, span),
+            _panel(f"error of {title}", estimate.channel, time, {"": found - measured}, span),
+        ]
 
     def _worst(self) -> Sheet:
-        order = np.argsort(np.nan_to_num(self.of_windows[YAW_RATE], nan=np.inf))[::-1][:_SHOWN]
+        order = np.argsort(np.nan_to_num(self.judged[YAW_RATE].of_windows, nan=np.inf))[::-1][:_SHOWN]
         panels = []
         for window in order:
             begin = self.begins()[window]
@@ -198,10 +214,12 @@ class Validation:
             command=command,
         ).as_json()
         del content["differs"]
-        ranges = {n: {label: e.as_json() for label, e in of.items()} for n, of in self.ranges.items()}
-        rows = {n: [v if np.isfinite(v) else None for v in of.tolist()] for n, of in self.of_windows.items()}
-        content |= {"errors": {n: e.as_json() for n, e in self.errors.items()}, "by_range": ranges}
-        content |= {"by_window": {"begin": self.begins().tolist(), **rows}}
+        of = {name: each.as_json() for name, each in self.judged.items()}
+        content |= {what: {name: each[what] for name, each in of.items()} for what in ("errors", "by_range")}
+        content |= {"by_window": {"begin": self.begins().tolist(), **{n: each["by_window"] for n, each in of.items()}}}
+        content |= {"corridors": {name: each.as_json() for name, each in self.corridors.items()}}
+        content |= {"corridor_parameters": flatten(self.tolerances)}
+        content |= {"estimators": {each.name: each.as_json() for each in self.estimates}}
         write_summary(folder / SUMMARY, content | dict(more or {}))
         save(both["simulated"], folder / SIGNALS)
         if page:
@@ -222,15 +240,9 @@ def _panel(title: str, signal: str, time: np.ndarray, values: Mapping[str, np.nd
 
 def signals_to_show() -> Sequence[str]:
     """What a validation has to simulate."""
-    return [n for n in COMPARED if n != SIDESLIP] + _FORCES + [_EFFORT + wheel for wheel in WHEEL_NAMES]
-
-
-def _cells(errors: Errors, unit: str) -> list[str]:
-    lag = f"{errors.lag:.3f}" if np.isfinite(errors.lag) else "-"
-    numbers = [_number(value, unit) for value in (errors.rms, errors.largest, errors.bias)]
-    return [*numbers, f"{errors.explained:.4f}", lag, str(errors.samples)]
-
-
-def _number(value: float, unit: str) -> str:
-    """A number with its unit; an angle in degrees beside."""
-    return f"{value:.4g} {unit}" + (f" ({np.degrees(value):.3g} deg)" if unit == "rad" else "")
+    return (
+        [n for n in COMPARED if n != SIDESLIP]
+        + [ROAD_WHEEL_ANGLE]
+        + _FORCES
+        + [_EFFORT + wheel for wheel in WHEEL_NAMES]
+    )

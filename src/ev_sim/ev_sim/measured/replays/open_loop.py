@@ -24,6 +24,7 @@ from ev_sim.measured.records.record import (
     STEERING_WHEEL_ANGLE,
     YAW_RATE,
     MeasuredRecord,
+    sideslip,
 )
 from ev_sim.scenarios.about import vehicle_file
 from ev_sim.scenarios.parameter_file import ParameterFile
@@ -158,7 +159,7 @@ class OpenLoop:
             "plant.initial_lateral_velocity": (record[LATERAL][begin] if held else np.zeros(len(begin))).tolist(),
             "plant.initial_yaw_rate": record[YAW_RATE][begin].tolist(),
             "steering_column.time": [time] * len(windows),
-            "steering_column.angle": self._angle()[ahead].tolist(),
+            "steering_column.angle": self.road_wheel_angle[ahead].tolist(),
         }
         self.notes: tuple[str, ...] = ()
         self.driven_one_by_one: dict[str, np.ndarray] = {}  # by driven wheel the torque [N m], (windows, size)
@@ -175,7 +176,9 @@ class OpenLoop:
             self.driven_one_by_one = {wheel: windows.of(torques[f"drive.{wheel}"]) for wheel in driven}
         self._duration = time[-1]
 
-    def _angle(self) -> np.ndarray:
+    @property
+    def road_wheel_angle(self) -> np.ndarray:
+        """As it was measured, (n,) [rad], or by the angle of the steering wheel and the car's ratio."""
         if ROAD_WHEEL_ANGLE in self.record.channels:
             return self.record[ROAD_WHEEL_ANGLE]
         ratio = self.configurations["plant"].common.vehicle.steering_ratio
@@ -222,4 +225,4 @@ class OpenLoop:
             vary[name] = [car[name] for car in cars for _ in range(count)]
         found = batch(self.configurations, self._duration, vary, signals=self._signals).signals
         shaped = {n: values[:, self._lead :].reshape(len(cars), count, -1) for n, values in found.items()}
-        return {**shaped, SIDESLIP: np.arctan2(shaped[LATERAL], shaped[LONGITUDINAL])}
+        return {**shaped, SIDESLIP: sideslip(shaped[LONGITUDINAL], shaped[LATERAL], self.measured(LONGITUDINAL))}

@@ -1,4 +1,4 @@
-"""How far a replay is from the record: by signal, by window and by range of lateral acceleration."""
+"""How far a signal is from the record: in all, by window and by range of lateral acceleration."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+
+from ev_sim.measures.metric import Metric
+from ev_sim.report.tables import text_table
 
 RANGES = (0.0, 2.0, 4.0, 6.0, 8.0, np.inf)  # of the magnitude of the lateral acceleration [m/s^2]
 
@@ -67,7 +70,7 @@ def _lag(simulated: np.ndarray, measured: np.ndarray, period: float, most: float
         return float("nan")
     best = int(np.argmax(correlation))
     if not 0 < best < len(shifts) - 1:
-        return float(shifts[best] * period)
+        return float("nan")  # nowhere within reach
     before, at, after = correlation[best - 1 : best + 2]
     bend = before - 2.0 * at + after
     return float((shifts[best] + (0.5 * (before - after) / bend if bend < 0.0 else 0.0)) * period)
@@ -82,17 +85,81 @@ def by_window(simulated: np.ndarray, measured: np.ndarray) -> np.ndarray:
 
 def by_range(simulated: np.ndarray, measured: np.ndarray, acceleration: np.ndarray) -> Mapping[str, Errors]:
     """The errors of the samples in each of `RANGES` of a lateral acceleration [m/s^2] of the same shape."""
-    size = np.abs(acceleration)
+    which = np.digitize(np.abs(acceleration), RANGES[1:-1])
     return {
-        f"{low:g} to {high:g}" if np.isfinite(high) else f"above {low:g}": errors_of(
-            simulated[chosen], measured[chosen]
-        )
-        for low, high in pairwise(RANGES)
-        if (chosen := (size >= low) & (size < high)).any()
+        name: errors_of(simulated[chosen], measured[chosen])
+        for n, name in enumerate(range_names())
+        if (chosen := which == n).any()
     }
+
+
+def range_names() -> list[str]:
+    """The ranges in words."""
+    return [f"{low:g} to {high:g}" if np.isfinite(high) else f"above {low:g}" for low, high in pairwise(RANGES)]
 
 
 def spins(sideslip: np.ndarray, measured: np.ndarray, limit: float = np.radians(20.0)) -> np.ndarray:
     """Which windows leave the record: a number that is not finite, or a sideslip angle that far from the measured."""
     away = np.abs(sideslip - measured)
     return ~np.isfinite(sideslip).all(axis=1) | (np.nan_to_num(away, nan=np.inf).max(axis=1) > limit)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A signal of a `unit` beside the measured one: all errors, those by range, and the RMS error of each window."""
+
+    unit: str
+    errors: Errors
+    ranges: Mapping[str, Errors]
+    of_windows: np.ndarray
+
+    @property
+    def median_window(self) -> float:
+        """The RMS error of the median window; NaN where no number is finite."""
+        return float(np.nanmedian(self.of_windows)) if np.isfinite(self.of_windows).any() else float("nan")
+
+    def metrics(self, name: str) -> dict[str, Metric]:
+        """For summary.json and the page, by names that begin so."""
+        numbers = {"rms": self.errors.rms, "largest": self.errors.largest, "bias": self.errors.bias}
+        found = {
+            f"{name}_{what}": Metric(value, self.unit)
+            if np.isfinite(value)
+            else Metric(None, self.unit, reason="not finite")
+            for what, value in (numbers | {"median_window": self.median_window}).items()
+        }
+        if np.isfinite(self.errors.explained):
+            found[f"{name}_explained"] = Metric(self.errors.explained, "1")
+        return found
+
+    def as_json(self) -> dict[str, Any]:
+        """For summary.json."""
+        windows = [value if np.isfinite(value) else None for value in self.of_windows.tolist()]
+        ranges = {label: each.as_json() for label, each in self.ranges.items()}
+        return {"errors": self.errors.as_json(), "by_range": ranges, "by_window": windows}
+
+
+def judged(unit: str, found: np.ndarray, measured: np.ndarray, acceleration: np.ndarray, period: float) -> Judged:
+    """Signals in windows (windows, n), with the lateral acceleration [m/s^2] there and the period [s]."""
+    errors, ranges = errors_of(found, measured, period), by_range(found, measured, acceleration)
+    return Judged(unit, errors, ranges, by_window(found, measured))
+
+
+def error_table(of: Mapping[str, Judged]) -> str:
+    """What the terminal shows: by signal the errors, those of the median window and those by range."""
+    rows = []
+    for name, each in of.items():
+        rows.append([name, "all", *_cells(each.errors, each.unit), _number(each.median_window, each.unit)])
+        rows += [["", f"{label} m/s2", *_cells(errors, each.unit), ""] for label, errors in each.ranges.items()]
+    columns = ("signal", "v r", "rms", "largest", "bias", "explained", "lag [s]", "samples", "median window")
+    return text_table(columns, rows, left=("signal", "v r"))
+
+
+def _cells(errors: Errors, unit: str) -> list[str]:
+    lag = f"{errors.lag:.3f}" if np.isfinite(errors.lag) else "-"
+    numbers = [_number(value, unit) for value in (errors.rms, errors.largest, errors.bias)]
+    return [*numbers, f"{errors.explained:.4f}", lag, str(errors.samples)]
+
+
+def _number(value: float, unit: str) -> str:
+    """A number with its unit; an angle in degrees beside."""
+    return f"{value:.4g} {unit}" + (f" ({np.degrees(value):.3g} deg)" if unit == "rad" else "")
