@@ -21,7 +21,7 @@ from ev_sim.recording import recording as recordings
 from ev_sim.recording.recording import Recording, combined_hash, signal_hash
 from ev_sim.report.reports import report_for
 from ev_sim.report.summary import Summary, write_summary
-from ev_sim.report.tables import metric_table, print_metrics
+from ev_sim.report.tables import metric_table, print_metrics, tables_by_width
 
 PERIOD = 0.01
 VEHICLE = Vehicle()
@@ -539,6 +539,22 @@ def test_table_fits_into_the_terminal(width):
     metrics = report_for("shchur2019").metrics(cycle_run(), VEHICLE, SWITCHED)
     metrics |= report_for("shchur2019_steps").metrics(steps_runs(), VEHICLE, SWITCHED) | METRICS
     assert max(map(len, metric_table(metrics, width).splitlines())) <= width
+
+
+def test_a_wide_table_is_several_that_fit_into_the_terminal(monkeypatch):
+    """Each with the columns that tell the rows apart, and none is lost; one that is too wide alone stands alone."""
+    columns, row = ("gamma", "a", "much_wider_than_all", "c", "d"), ("1", "2", "3", "4", "5")
+    monkeypatch.setenv("COLUMNS", "14")
+    assert tables_by_width(columns, [row], 1, left=()) == "\n\n".join(
+        (
+            "gamma  a\n-----  -\n    1  2",
+            "gamma  much_wider_than_all\n-----  -------------------\n    1                    3",
+            "gamma  c  d\n-----  -  -\n    1  4  5",
+        )
+    )
+    monkeypatch.setenv("COLUMNS", "38")
+    assert "\n\n" not in tables_by_width(columns, [row], 1, left=())
+    assert tables_by_width(columns[:1], [row[:1]], 1, left=()) == "gamma\n-----\n    1"
 
 
 def test_table_of_nothing():

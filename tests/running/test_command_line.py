@@ -173,11 +173,20 @@ def test_what_may_not_be_meant_is_one_note(set_, said, tmp_path, capsys):
     assert len(found) == 1 and found[0].startswith("note: replaced the results of scripts/run.sh shchur2019 ")
 
 
-def test_a_command_of_ev_stack_asks_for_the_similar_one(capsys):
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("rnu", "unknown command 'rnu'; did you mean run?"),
+        ("sweeep", "unknown command 'sweeep'; did you mean sweep"),
+        ("sweep", "'sweep' is no command: ev-stack run sweep\n"),
+        ("shchur2019", "'shchur2019' is no command: ev-stack run shchur2019\n"),
+    ],
+)
+def test_a_command_of_ev_stack_asks_for_the_similar_one(word, said, capsys):
     with pytest.raises(SystemExit) as ended:
-        ev_stack.perform(["rnu"])
+        ev_stack.perform([word])
     assert ended.value.code == 2
-    assert capsys.readouterr().err.startswith("ev-stack: unknown command 'rnu'; did you mean run?")
+    assert capsys.readouterr().err.startswith(f"ev-stack: {said}")
 
 
 def test_list_shows_every_scenario_and_method_in_a_line(capsys):

@@ -133,6 +133,12 @@ def test_the_limit_is_that_of_a_surface_that_lies_on_the_road():
 # The study
 
 
+@pytest.fixture(autouse=True)
+def wide_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One table for all columns."""
+    monkeypatch.setenv("COLUMNS", "400")
+
+
 def test_every_method_has_its_line():
     """The car of step_steer drives its front wheels and is steered by a robot."""
     table = compare.tables(asked(), compared(False))

@@ -17,7 +17,7 @@ from ev_core.nodes.stop_request import (
     turn_deaf,
     was_interrupted,
 )
-from ev_msgs_py.refusal import unknown_name
+from ev_msgs_py.refusal import quoted, unknown_name
 from ev_sim.command_line.refusal import refuse
 
 COMMANDS = {  # name -> module and function that takes words, and what it does
@@ -83,7 +83,10 @@ def perform(words: Sequence[str]) -> None:
         print(f"ev-stack {version('ev_sim')}")
         return
     if words[0] not in COMMANDS:
-        print(f"ev-stack: {unknown_name('command', words[0], COMMANDS)}", file=sys.stderr)
+        with loading():
+            from ev_sim.commands.run_scenario import names
+        driven = f"{quoted(words[0])} is no command: ev-stack run {words[0]}" if words[0] in names() else ""
+        print(f"ev-stack: {driven or unknown_name('command', words[0], (*COMMANDS, *names()))}", file=sys.stderr)
         sys.exit(2)
     module, _, function = COMMANDS[words[0]][0].partition(".")
     try:

@@ -75,9 +75,13 @@ def main(argv: list[str] | None = None) -> None:
 
 def refuse_unknown(name: str) -> None:
     """ParameterError for what is neither the path nor the name of a scenario, nor the name of another command."""
-    known = () if is_path(name) else (*scenario_names(), *study_names(), *REVIEWS)
-    if known and name not in known:
+    if not is_path(name) and name not in (known := names()):
         raise unknown_name("scenario, study or review", name, known)
+
+
+def names() -> tuple[str, ...]:
+    """Of all scenarios, studies and reviews."""
+    return (*scenario_names(), *study_names(), *REVIEWS)
 
 
 def list_all(argv: list[str]) -> None:

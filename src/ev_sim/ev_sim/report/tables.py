@@ -97,6 +97,19 @@ def text_table(columns: Sequence[str], rows: Sequence[Sequence[str]], left: Coll
     )
 
 
+def tables_by_width(columns: Sequence[str], rows: Sequence[Sequence[str]], kept: int, left: Collection[str]) -> str:
+    """A table; where the terminal is too narrow several, one below the other, each with the first `kept` columns."""
+    widths = [2 + max(len(row[i]) for row in (columns, *rows)) for i in range(len(columns))]
+    room = _terminal_width() + 2 - sum(widths[:kept])
+    parts: list[list[int]] = [[]]
+    for i in range(kept, len(columns)):
+        if parts[-1] and sum(widths[j] for j in (*parts[-1], i)) > room:
+            parts.append([])
+        parts[-1].append(i)
+    chosen = [[*range(kept), *part] for part in parts]
+    return "\n\n".join(text_table([columns[i] for i in c], [[row[i] for i in c] for row in rows], left) for c in chosen)
+
+
 METRIC_COLUMNS = ("metric", "value", "unit", "reference", "band", "verdict")
 NARROW = (("metric", "value", "unit", "reference", "verdict"), ("metric", "value", "unit", "verdict"))
 WIDTH_OF_A_PIPE = 120
@@ -105,8 +118,11 @@ _TEXT = ("metric", "unit", "band", "verdict")
 
 def print_metrics(metrics: Mapping[str, Metric], file: TextIO | None = None) -> None:
     """Print the table of metrics, in a narrow terminal without bands, angles in degrees and references."""
-    width = shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns
-    print(metric_table(metrics, width), file=file or sys.stdout)
+    print(metric_table(metrics, _terminal_width()), file=file or sys.stdout)
+
+
+def _terminal_width() -> int:
+    return shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns
 
 
 def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) -> str:

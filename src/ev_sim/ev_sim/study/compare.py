@@ -21,7 +21,7 @@ from ev_sim.measures.own_metrics import listed, named_metric
 from ev_sim.measures.registry import METRICS
 from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import further_metrics, measured_metrics, row_of
-from ev_sim.report.tables import text_table
+from ev_sim.report.tables import tables_by_width
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, CaseResult, Results, better_by_column, not_measured, run_of_command
 
@@ -117,7 +117,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
         for law, *values in rows
     ]
     lacking = not_measured(list(_shown(given, results)), results)
-    return "\n".join(filter(None, (text_table(columns, texts, left=columns[:1]), lacking)))
+    return "\n".join(filter(None, (tables_by_width(columns, texts, 1, left=columns[:1]), lacking)))
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:

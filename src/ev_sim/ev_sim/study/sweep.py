@@ -21,7 +21,7 @@ from ev_sim.measures.metric import Metric
 from ev_sim.measures.own_metrics import listed, named_metric
 from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import further_metrics, measured_metrics, row_of
-from ev_sim.report.tables import cell, text_table
+from ev_sim.report.tables import cell, tables_by_width
 from ev_sim.scenarios.parameter_file import read_yaml
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results, better_by_column, not_measured, run_of_command
@@ -174,7 +174,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
     texts = [[*map(_shown_value, row[:given_ones]), *map(cell, row[given_ones:])] for row in rows]
     hint = "" if columns[given_ones:] else f"\nno metric was measured: scripts/run.sh {given.scenario} says why"
     lacking = not_measured(list(_shown(given, results)), results)
-    return "\n".join(filter(None, (text_table(columns, texts, left=()), lacking, hint)))
+    return "\n".join(filter(None, (tables_by_width(columns, texts, given_ones, left=()), lacking, hint)))
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
