@@ -72,6 +72,7 @@ setup(
         "frame": ["pandas"],
         "gymnasium": ["gymnasium>=1.0"],
         "parquet": ["pyarrow"],
+        "tune": ["cma>=4.4"],
     },
     zip_safe=False,  # config is read as files
     entry_points={

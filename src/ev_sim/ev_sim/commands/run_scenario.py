@@ -26,8 +26,9 @@ REVIEWS = {  # commands of their own, run_NAME of `reviews` or of the module tha
     "validate": "a car against a record of a real one: inputs imposed as measured, the rest compared",
     "identify": "parameters of a car from a record of it, or a tyre from a rig, with intervals",
     "benchmark": "laws of torque control ranked on a board of cars, roads and manoeuvres, with intervals",
+    "tune": "the parameters of a law by CMA-ES on a board, with the same budget for every law",
 }
-MODULES = {"validate": "measured", "identify": "measured", "benchmark": "benchmark"}
+MODULES = {"validate": "measured", "identify": "measured", "benchmark": "benchmark", "tune": "tune"}
 _NOT_READ = 141  # the status of a command whose output nobody reads any more
 _NOT_LOADED = "failed to map segment"  # in the words of the loader: there is no memory for a library
 

@@ -1,0 +1,117 @@
+"""Tuning: bounds from the declarations, a cost that falls, equal bits, a search that goes on where it was stopped."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.benchmark.board import read_board
+from ev_sim.benchmark.tuning import Free, Training, free_parameters
+from ev_sim.commands.benchmark import run_benchmark
+from ev_sim.commands.tune import run_tune
+
+CELL = "layout_1_8_c:all:double_lane_change:wet:*"
+WORDS = ["pi", "--free", "pi.*,wanted.lag", "--cells", CELL, "--draws", "1", "--budget", "9"]
+SMALL = replace(read_board("small"), draws=1)
+
+
+@pytest.fixture(scope="module")
+def training() -> Training:
+    return Training(SMALL, SMALL.cells(CELL), "pi", "handling", threads=None)
+
+
+def history(folder: Path) -> list[list[str]]:
+    """Rows of the history behind its head."""
+    with (folder / "history.csv").open() as file:
+        return list(csv.reader(file))[1:]
+
+
+def test_shares_are_values_within_the_bounds():
+    """By factors around a positive start, by sums around any other one; the start has its own share."""
+    by_factors, by_sums = Free("gain", 10.0, 0.1, 1000.0), Free("offset", 0.0, -1.0, 3.0)
+    assert (by_factors.share, by_factors.value(0.5)) == (pytest.approx(0.5), pytest.approx(10.0))
+    assert (by_factors.value(-1.0), by_factors.value(2.0)) == (0.1, 1000.0)
+    assert (by_sums.share, by_sums.value(0.25), by_sums.value(1.0)) == (0.25, 0.0, 3.0)
+
+
+def test_bounds_are_those_of_the_declaration_and_two_decades(training: Training):
+    """pi.bandwidth: 10, allowed are 0 to 200; wanted.lag: 0.05, allowed are 0.001 to 1."""
+    lag, bandwidth = free_parameters(SMALL, "pi", training.configuration, ["pi.bandwidth", "wanted.lag"])
+    assert (bandwidth.low, bandwidth.high) == (pytest.approx(0.1), 200.0)
+    assert (lag.low, lag.high) == (0.001, 1.0)
+    with pytest.raises(ParameterError, match="unknown number of law pi 'x"):
+        free_parameters(SMALL, "pi", training.configuration, ["x*"])
+    with pytest.raises(ParameterError, match="means 1 numbers, allowed are two or more"):
+        free_parameters(SMALL, "pi", training.configuration, ["wanted.lag"])
+
+
+def test_candidates_are_judged_one_by_one_and_misfits_cost_most(training: Training):
+    """first_sideslip above last_sideslip is refused by the law: it is not driven, and its neighbours do not notice."""
+    one, misfit, other = (
+        {"wanted.first_sideslip": 0.05},
+        {"wanted.first_sideslip": 0.3},
+        {"wanted.first_sideslip": 0.03},
+    )
+    costs = training.costs([one, misfit, other])
+    assert costs[1] == 3.0
+    assert costs.tolist() == [*training.costs([one]), 3.0, *training.costs([other])]
+
+
+def test_a_stopped_search_goes_on_and_gives_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
+    """Stopped in its second generation; the cost falls, and the parameter file brings it onto the board."""
+    whole, stopped = tmp_path / "whole", tmp_path / "stopped"
+    run_tune([*WORDS, "--out", str(whole)])
+    costs, calls = Training.costs, []
+
+    def interrupted(self: Training, candidates: list) -> np.ndarray:
+        calls.append(len(candidates))
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        return costs(self, candidates)
+
+    monkeypatch.setattr(Training, "costs", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run_tune([*WORDS, "--out", str(stopped)])
+    monkeypatch.undo()
+    run_tune([*WORDS, "--out", str(stopped)])
+    assert "went on behind 1 generations" in capsys.readouterr().out
+    rows = history(whole)
+    assert history(stopped) == rows
+    assert len(rows) == 9
+    assert min(float(row[1]) for row in rows) < float(rows[0][1])
+    assert not (stopped / "search.journal").exists()
+    tuned = f"pi={whole / 'pi_tuned.yaml'}"
+    words = [
+        "--add",
+        tuned,
+        "--laws",
+        "pi",
+        "--cells",
+        CELL,
+        "--draws",
+        "1",
+        "--no-report",
+        "--out",
+        str(tmp_path / "b"),
+    ]
+    run_benchmark(words)
+    assert "pi_tuned" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["none"], "unknown electronic_differential method 'none'"),
+        (["pi", "--budget", "1"], "--budget 1 is refused, allowed is 2 or more"),
+        (["pi", "--board", "full", "--cells", "*:skidpad:dry:*"], "--cells leaves none to tune on"),
+    ],
+)
+def test_what_cannot_be_tuned_is_one_line(words: list[str], line: str, tmp_path: Path):
+    with pytest.raises(ParameterError) as refused:
+        run_tune([*words, "--out", str(tmp_path)])
+    assert line in str(refused.value)
