@@ -33,7 +33,16 @@ BENCHMARKS = {
 # Those that nothing else starts; lock, site and wheels take packages from elsewhere, .ci/run starts suite and campaign.
 SCRIPTS = {"determinism": ("--trials", "1", "--seconds", "0.1", "--only", "double_lane_change")}
 
-LONG = ("dashboard", "lockstep", "native", "soak", "strangers")  # five or ten seconds each, whatever they are told
+LONG = (
+    "batch",
+    "dashboard",
+    "elementary",
+    "lockstep",
+    "native",
+    "plant",
+    "soak",
+    "strangers",
+)  # 2 to 10 s of a processor
 
 pytestmark = pytest.mark.slow
 

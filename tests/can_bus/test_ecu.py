@@ -75,7 +75,8 @@ class LeftLoad:
         return abs(self.station.devices["Load12"].feedback.speed - HELD) < 1.0
 
 
-@pytest.mark.parametrize("target", ["x86_64-linux", pytest.param("aarch64-linux", marks=pytest.mark.weekly)])
+@pytest.mark.weekly
+@pytest.mark.parametrize("target", ["x86_64-linux", "aarch64-linux"])
 def test_an_exported_law_drives_our_inverters(target, folders):
     """Each answer is that of the law here to the same wheel speeds, to the bit, and the right shaft obeys.
 

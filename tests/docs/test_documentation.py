@@ -164,8 +164,10 @@ def test_yaw_moment_lowers_the_error_that_the_page_says():
 @pytest.mark.parametrize(
     ("module", "method"),
     [
-        ("own_method", "limit"),
-        pytest.param("own_law", "limit_in_python", marks=pytest.mark.weekly),
+        *(
+            pytest.param(*case, marks=pytest.mark.weekly)
+            for case in (("own_method", "limit"), ("own_law", "limit_in_python"))
+        ),
         ("own_law", "limit_compiled"),
     ],
 )

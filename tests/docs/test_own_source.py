@@ -42,13 +42,11 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "lib"
 
 
-def test_an_installed_source_is_listed_with_its_law_and_scenario(installed: Path, tmp_path: Path):
-    names = [line.split()[0] for line in said(program(["--list"]), installed, tmp_path).splitlines()]
+def test_an_installed_source_is_listed_driven_and_reported_with_its_verdicts(installed: Path, tmp_path: Path):
+    """With its law and its scenario."""
+    listed = said(program(["--list"], ["own_source", "--offline", "--out", "out"]), installed, tmp_path)
+    names = [line.split()[0] for line in listed.splitlines() if line.strip()]
     assert {"own_source", "outer_wheel"} <= set(names)
-
-
-def test_its_scenario_is_driven_and_reported_with_its_verdicts(installed: Path, tmp_path: Path):
-    said(program(["own_source", "--offline", "--out", "out"]), installed, tmp_path)
     metrics = json.loads((tmp_path / "out" / "summary.json").read_text())["metrics"]
     assert list(metrics) == ["own.difference", "own.sum", "own.turns_in"]
     assert (tmp_path / "out" / "fig1.png").is_file()

@@ -12,6 +12,7 @@ from PIL import Image
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(FOUND is None, reason="no Chromium on this machine")]
 
 
+@pytest.mark.weekly
 def test_both_pages_are_photographed_with_something_on_them(tmp_path: Path):
     """An empty page, or one without plots, has fewer colours."""
     save_pictures(tmp_path)

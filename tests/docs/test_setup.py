@@ -139,7 +139,8 @@ def test_the_uv_of_the_lock_installs_the_lock_as_pip_is_told_to(checkout):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("why", [pytest.param("cannot be had", marks=pytest.mark.weekly), "fails"])
+@pytest.mark.weekly
+@pytest.mark.parametrize("why", ["cannot be had", "fails"])
 def test_where_uv_is_of_no_use_pip_installs_and_one_line_says_so(why, checkout):
     if why == "cannot be had":
         (checkout.wheels / "uv-1.0-py3-none-any.whl").unlink()
@@ -190,6 +191,7 @@ def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
 
 
 @pytest.mark.slow
+@pytest.mark.weekly
 def test_two_calls_at_once_set_up_once(checkout, tmp_path):
     """Also with a Python that does not say where its pip is: then it makes .venv as it does."""
     (tmp_path / "ensurepip.py").write_text("raise ImportError\n")

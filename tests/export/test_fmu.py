@@ -65,8 +65,9 @@ def environment(tmp_path_factory):
 
 @pytest.fixture(params=VERSIONS)
 def whole(request, made):
-    """The whole graph in one FMU, for all systems whose compilers are here."""
-    there = [name for name in FMU_TARGETS if shutil.which(TARGETS[name].compiler)]
+    """The whole graph in one FMU, with all cases for all systems whose compilers are here."""
+    wanted = FMU_TARGETS if request.config.getoption("--all-cases") else FMU_TARGETS[:1]
+    there = [name for name in wanted if shutil.which(TARGETS[name].compiler)]
     return made("--fmi", str(request.param), on=",".join(there), name="whole")
 
 
@@ -140,7 +141,9 @@ def test_the_csv_of_fmusim_has_the_numbers_of_the_recording(whole, plain, tmp_pa
         assert columns[name] == tuple(f"{value:.16g}" for value in signal), name
 
 
-@pytest.mark.parametrize("target", FMU_TARGETS)
+@pytest.mark.parametrize(
+    "target", [FMU_TARGETS[0], *(pytest.param(name, marks=pytest.mark.weekly) for name in FMU_TARGETS[1:])]
+)
 def test_an_importer_in_c_gets_the_bits_of_the_recording(whole, plain, target, environment, tmp_path):
     """Of two instances in turn, and of a third one that goes on from the first one's state as bytes."""
     on = TARGETS[target]

@@ -19,6 +19,7 @@ ROLE, LAW = "electronic_differential", "power_steering"
 pytestmark = pytest.mark.slow
 
 
+@pytest.mark.weekly
 def test_a_row_is_that_of_the_page(monkeypatch):
     """The bytes follow from the pinned compiler; that the answers have the bits of the recording is part of the count.
 

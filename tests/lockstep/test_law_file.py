@@ -49,6 +49,7 @@ def driven(file: Path, **how) -> ev_sim.Result:
 
 
 @pytest.mark.slow
+@pytest.mark.weekly
 def test_a_law_is_chosen_by_the_path_of_its_file_offline_and_over_dds(tmp_path):
     """With its parameters; and a share of 1 is `off`, to the bit."""
     file = law_file(tmp_path)

@@ -61,6 +61,7 @@ def test_a_law_in_c_has_the_bits_of_the_law_in_python_offline_and_over_dds(folde
     assert {"shchur2019": signal_hash(over_dds)} == {name: signal_hash(each) for name, each in expected.runs.items()}
 
 
+@pytest.mark.weekly
 def test_a_law_in_c_drives_as_a_process(folder, tmp_path):
     """The runner names it to its node on the command line, for from a file the node would refuse it."""
     library = str(folder / "libpower_steering.so")

@@ -266,6 +266,7 @@ def test_where_nothing_more_can_be_written_the_run_ends_in_one_line(way: tuple[s
     assert "Traceback" not in ended.stderr
 
 
+@pytest.mark.weekly
 def test_ctrl_c_stops_everything(tmp_path: Path):
     running = Running(tmp_path / "out")
     os.killpg(running.script.pid, signal.SIGINT)
@@ -276,7 +277,7 @@ def test_ctrl_c_stops_everything(tmp_path: Path):
 
 
 def test_realtime_takes_its_time_and_says_that_it_is_not_reproducible(tmp_path: Path):
-    run("shchur2019", "--realtime", "--duration", 1, "--no-report", "--out", tmp_path)
+    run("shchur2019", "--realtime", "--in-process", "--duration", 1, "--no-report", "--out", tmp_path)
     content = summary(tmp_path)
     assert content["reproducible"] is False
     # By the wall clock, and never faster; not counted is what goes by until the recorder knows the others by name.

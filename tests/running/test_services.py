@@ -27,6 +27,7 @@ def signal_hash(folder: Path) -> str:
     return json.loads((folder / "summary.json").read_text())["signal_hash"]
 
 
+@pytest.mark.weekly
 def test_pause_reset_set_reset_resume_gives_a_fresh_run(tmp_path: Path):
     """At time zero a second reset was a repetition to the others, which answered to the car of before."""
     slowly = ["--set", "plant.real_time_factor=0.01"]  # 50 s, unless somebody asks for another pace

@@ -70,7 +70,7 @@ WAYS = {
     "workers": (f"{STUDY} --workers 2", 0),
     "dask": (DASK, 3),
 }
-SHOWN_BY_OTHERS = ("processes", "dask")  # the live page is processes and a page
+SHOWN_BY_OTHERS = ("processes", "bus in real time", "dask")  # the live page is processes and a page, the hub is a bus
 
 
 @pytest.fixture(scope="module")

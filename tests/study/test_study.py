@@ -175,6 +175,7 @@ def wait_for_listener(port: int) -> None:
         time.sleep(0.05)
 
 
+@pytest.mark.weekly
 def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here, tmp_path, monkeypatch):
     """A real scheduler and two workers, all processes of their own; one worker is killed after the first result."""
     lost = tmp_path / "lost"

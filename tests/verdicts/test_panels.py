@@ -34,8 +34,8 @@ def test_no_panel_is_missing(source: str, count: int):
     ("source", "count", "lost"),
     [
         ("shchur2019", 10, "a scheme of the turn"),
-        pytest.param("ge_ni2005", 12, "a scheme of the law", marks=pytest.mark.slow),
-        pytest.param("tatar_chudzik", 12, "a scheme of the forces", marks=pytest.mark.slow),
+        pytest.param("ge_ni2005", 12, "a scheme of the law", marks=pytest.mark.weekly),
+        pytest.param("tatar_chudzik", 12, "a scheme of the forces", marks=pytest.mark.weekly),
     ],
 )
 def test_page_shows_what_was_drawn_and_why_something_was_not(tmp_path, source: str, count: int, lost: str):

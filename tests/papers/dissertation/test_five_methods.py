@@ -7,12 +7,13 @@ import math
 from pathlib import Path
 
 import pytest
+from judging import drive_here
 
 from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import METHODS, case, case_name
 from ev_papers.dissertation.studies.five_methods import judged_quantity
 from ev_sim.commands.run_scenario import main
-from ev_sim.study.workers import drive_cases
+from ev_sim.study.study import CaseResult
 from ev_sim.surfaces import SURFACES
 
 pytestmark = pytest.mark.slow
@@ -30,10 +31,17 @@ CASES = [
 ]
 
 
+class Cycles(dict[str, CaseResult]):
+    """By name, each driven when it is asked for first: 580 s, a second of a processor."""
+
+    def __missing__(self, name: str) -> CaseResult:
+        (self[name],) = drive_here([each for each in CASES if each.name == name], [urban_cases.measure])
+        return self[name]
+
+
 @pytest.fixture(scope="module")
-def driven():
-    """All cycles, 580 s each: about a minute on two cores, so they are driven once."""
-    return {result.name: result for result in drive_cases(CASES, urban_cases.measure, workers=2)}
+def driven() -> Cycles:
+    return Cycles()
 
 
 def wheel(driven, method: str, driver: str, seed: int) -> float:
@@ -63,6 +71,7 @@ def test_eq_2_37_in_full_lies_below_the_ratio_of_speeds(driven, method):
         assert measured[f"wheel_efficiency{row}"] < 0.89
 
 
+@pytest.mark.weekly
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("method", ["1", "2"])
 def test_released_pedal_costs_eq_2_37_a_lot(driven, method):
@@ -81,6 +90,7 @@ def test_who_knows_the_friction_is_better_than_the_printed_method_5(driven, seed
     assert values["2"] < values["5"] <= values["1"] + 0.02
 
 
+@pytest.mark.weekly
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_pulse_with_rolling_resistance(driven, seed):
@@ -89,6 +99,7 @@ def test_pulse_with_rolling_resistance(driven, seed):
     assert 0.68 <= wheel(driven, "2", "pulse", seed) < wheel(driven, "1", "pulse", seed)
 
 
+@pytest.mark.weekly
 @pytest.mark.timeout(400)
 def test_who_follows_the_cycle_never_slips(driven):
     """All methods are then the same car: less than 0.005 apart."""
@@ -107,6 +118,7 @@ def test_traction_control_is_what_makes_method_1(driven):
     assert wheel(driven, "1", "imposed_speed", 1) >= without + 0.05
 
 
+@pytest.mark.weekly
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("method", ["1", "2"])
 def test_half_the_step_gives_the_same_efficiency(driven, method):
@@ -151,6 +163,7 @@ def test_study_prints_both_tables_and_keeps_every_seed(tmp_path, capsys):
     assert (tmp_path / "wheel_efficiency.png").stat().st_size > 0
 
 
+@pytest.mark.weekly
 def test_another_cycle_takes_its_own_length_and_has_nothing_printed_beside(tmp_path, capsys):
     """ECE 15, 195 s, on the road of seed 1: the row of docs/dissertation.md, and no number of tables 3.1 to 3.6."""
     options = ["--cycle", "ece", "--seeds", "1", "--drivers", "imposed_speed", "--workers", "2", "--no-report"]

@@ -194,6 +194,7 @@ def test_arithmetic_of_the_tables_is_called_so(id: str):
 
 
 @pytest.mark.slow
+@pytest.mark.weekly
 @pytest.mark.parametrize(("id", "changed"), STUDIES, ids=[id for id, _ in STUDIES])
 def test_another_parameter_of_the_five_methods_is_noticed(id: str, changed: str):
     assert studied(id).judgement == ("reproduced" if id == "diss.t3.6.gap" else "in part")

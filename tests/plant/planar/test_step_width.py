@@ -32,6 +32,7 @@ def test_halving_the_step_changes_nothing(name):
     assert abs(coarse[YAW_RATE] - fine[YAW_RATE]) < 1e-4 * max(abs(fine[YAW_RATE]), 0.1)
 
 
+@pytest.mark.weekly
 @pytest.mark.parametrize("surface", ["dry_asphalt", "ice"])
 def test_against_an_adaptive_solver(surface):
     """The same right-hand side by scipy's DOP853 at a relative tolerance of 1e-9: within 0.1 % after half a second."""

@@ -62,6 +62,14 @@ class _Shell:
         """Of a node or topic; a relative name is in the namespace of the graph."""
         return name if name.startswith("/") else f"{self.namespace.rstrip('/')}/{name}"
 
+    def has_parameters(self, node: str) -> bool:
+        """Whether a node of the graph, by its full name, can be asked for parameters: a runner cannot."""
+        namespace, _, name = node.rpartition("/")
+        if namespace != self.namespace.rstrip("/"):
+            return False
+        services = dict(self.node.get_service_names_and_types_by_node(name, namespace or "/"))
+        return f"{node}/get_parameters" in services
+
     def parameters_of(self, name: str) -> tuple[AsyncParameterClient, dict[str, Parameter]]:
         """How to ask a node, and its parameters by name."""
         name = self.full_name(name)
@@ -143,7 +151,7 @@ def param(argv: Sequence[str]) -> None:
     get.add_argument("name", nargs="?", help="of the parameter; default: all")
     put.add_argument("name")
     put.add_argument("value", help="as in YAML")
-    dump.add_argument("node", nargs="*", help="default: all nodes of the graph")
+    dump.add_argument("node", nargs="*", help="default: all nodes of the graph that have parameters")
     given = parser.parse_args(argv)
     with _shell(given.namespace) as shell:
         print({"get": _get, "set": _set, "dump": _dump}[given.what](shell, given), end="")
@@ -178,8 +186,7 @@ def _set(shell: _Shell, given: Any) -> str:
 
 
 def _dump(shell: _Shell, given: Any) -> str:
-    inside = shell.full_name("")
-    nodes = given.node or [each for each in full_names(shell.node) if each.rpartition("/")[0] + "/" == inside]
+    nodes = given.node or [each for each in full_names(shell.node) if shell.has_parameters(each)]
     found = {shell.full_name(node): shell.parameters_of(node)[1] for node in nodes}
     values = {node: {name: each.value for name, each in there.items()} for node, there in found.items()}
     return as_yaml({node: {"ros__parameters": each} for node, each in values.items()})
