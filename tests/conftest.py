@@ -7,7 +7,7 @@ import pytest
 from hypothesis import settings
 
 # How long an example takes says nothing about our code. Where so many examples do not suffice, the test says so.
-settings.register_profile("ours", deadline=None, max_examples=25)
+settings.register_profile("ours", deadline=None, max_examples=20)
 settings.load_profile("ours")
 
 ALL = "--all-cases"
