@@ -25,6 +25,7 @@ def forgets():
     inside_numba.is_used.cache_clear()
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 @pytest.mark.timeout(600)  # it compiles, which takes ten seconds of a processor
 def test_a_graph_that_is_compiled_in_the_plain_way_has_the_same_signal_hash(tmp_path: Path):

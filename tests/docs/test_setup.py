@@ -205,10 +205,8 @@ def test_two_calls_at_once_set_up_once(checkout, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "distribution",
-    ["kilted", *(pytest.param(name, marks=pytest.mark.weekly) for name in ("jazzy", "lyrical", "rolling"))],
-)
+@pytest.mark.weekly
+@pytest.mark.parametrize("distribution", ["jazzy", "kilted", "lyrical", "rolling"])
 def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, checkout, tmp_path):
     """Not ROS, and numpy as the distribution has it; by pip, for uv does not see what the distribution has."""
     (tmp_path / "ros2").write_text("#!/bin/sh\n")

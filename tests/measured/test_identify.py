@@ -61,6 +61,7 @@ def test_a_simulated_car_with_noise_gives_back_its_parameters_within_their_inter
     assert again["errors"]["twist.yaw_rate"]["rms"] == pytest.approx(errors["rms_after"], rel=1e-3)
 
 
+@pytest.mark.weekly
 def test_a_search_that_was_stopped_goes_on_with_the_same_bits(tmp_path, monkeypatch, capsys):
     """Stopped in its fifth evaluation: the first four are taken from the journal, then it is gone; a torn end is not.
 

@@ -169,6 +169,7 @@ def assert_bags_hold_one_run_each(folder: Path) -> None:
             assert {len(came) for came in stamps.values()} == {round(SHORT / PERIOD) + 1}
 
 
+@pytest.mark.weekly
 @settings(max_examples=5)
 @given(st.lists(words, max_size=8))
 @example(["pause", "reset", ("plant.initial_speed", 15.0)])

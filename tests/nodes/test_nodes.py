@@ -143,6 +143,7 @@ def test_a_restarted_master_begins_the_run_anew(tmp_path):
         complete(run, tmp_path, nodes)
 
 
+@pytest.mark.weekly
 @pytest.mark.parametrize(
     ("driver", "differential", "asr"),
     [

@@ -92,6 +92,7 @@ def test_while_time_is_stopped_no_run_can_begin(clocks):
     assert waited(begins, run, clocks) == pytest.approx(PATIENCE, abs=0.1)
 
 
+@pytest.mark.weekly
 def test_the_nodes_of_a_run_that_has_not_begun_are_started_anew(tmp_path, monkeypatch, capsys):
     """Into the same folder, where the first recorder has begun a bag: with the right result, and it is said."""
     begun = []

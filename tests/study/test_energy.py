@@ -63,6 +63,7 @@ def test_a_list_without_cars_or_with_a_class_missing_is_refused(tmp_path):
         read_assumptions(file)
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 @pytest.mark.parametrize("drive", DRIVES)
 def test_the_plant_agrees_with_the_sums_over_the_cycle(tmp_path, drive):

@@ -20,7 +20,7 @@ from ev_sim.verdicts.need import StudyCases, StudyNeed, cases_of
 
 FOLDER = "docs/measured"
 LONG = 40  # cases, from which on a study is too long to be driven in a test
-SAMPLE = 3  # cases of a long study that a test drives
+SAMPLE = 2  # cases of a long study that a test drives
 
 
 @cache

@@ -146,6 +146,7 @@ def test_peaks_of_the_surfaces(surface, friction, slip):
     assert of.peak_friction == pytest.approx(friction, abs=1e-3)
 
 
+@pytest.mark.weekly
 def test_study_prints_both_tables_and_keeps_every_seed(tmp_path, capsys):
     """60 s of two roads with one driver: means, spreads and single seeds in summary.json, printed numbers beside."""
     options = ["--seeds", "2", "--drivers", "pulse", "--duration", "60", "--workers", "2", "--out", str(tmp_path)]

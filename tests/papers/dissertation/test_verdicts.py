@@ -106,6 +106,7 @@ def test_a_wheel_that_never_passes_its_peak_is_noticed(id: str):
     assert verdict_on(id, ("driver", "method", "tracking"), ("plant", "speed", "free")).judgement == "not measured"
 
 
+@pytest.mark.weekly
 @pytest.mark.parametrize(
     "id",
     [

@@ -43,6 +43,7 @@ def test_sweep_table_of_the_page_is_that_of_its_cases():
     assert block("zhileykin2018_sweep") == study_table("zhileykin2018_sweep", kept).strip()
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 def test_a_row_of_the_variants_is_that_of_its_cases():
     (variant,) = (each for each in variants.VARIANTS if each.name == "S0_high")
