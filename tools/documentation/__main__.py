@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from documentation.benchmark_board import IMAGE, board_tables, drive_small
+from documentation.benchmark_board import IMAGE, LAW_PAGES, LAWS_PAGE, board_tables, drive_small, law_pages
 from documentation.benchmark_board import PAGE as BENCHMARK
 from documentation.hashes import HASHES, all_hashes, changes, hash_table, published_hashes
 from documentation.law_costs import BLOCK as LAW_COSTS
@@ -75,6 +75,7 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
     if BENCHMARK in wanted:
         board = drive_small()
         _write(root / BENCHMARK, board_tables(board))
+        _write(root / LAWS_PAGE, {LAW_PAGES: law_pages(board)})
         save_small({IMAGE: board_sheet(board)}, images)
     if any(name in wanted for name in NAMES):
         write_verdicts(root, wanted)
