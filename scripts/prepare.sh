@@ -16,9 +16,6 @@ unset CDPATH # by which `cd` would lead elsewhere
 export LC_ALL=C PIP_DISABLE_PIP_VERSION_CHECK=1
 exec {terminal}>&2 # past the log of a step
 to_run=("$@")
-ahead=()    # processes that compile meanwhile; they ignore Ctrl-C
-half_made="" # a folder that is of no use as it is
-trap 'tidy_up' EXIT
 
 # A ROS 2 distribution that is sourced goes before the wheels of requirements.lock.
 distribution=""
@@ -71,6 +68,9 @@ step() {
     printf 'done in %d s\n' $((SECONDS - start)) >&2
 }
 
+ahead=()     # processes that compile meanwhile; they ignore Ctrl-C
+half_made="" # a folder that is of no use as it is
+
 tidy_up() {
     end_ahead
     [[ -z "$half_made" ]] || rm -rf "$half_made"
@@ -82,6 +82,7 @@ end_ahead() {
     wait "${ahead[@]}" 2>/dev/null || true
     ahead=()
 }
+trap tidy_up EXIT
 
 check_python() {
     local python="$1"
