@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from documentation.markdown import code, table
-from ev_core.parameters.data_file import config_folders
+from ev_core.parameters.data_file import find_in_config
 from ev_core.parameters.declaration import flatten
 from ev_sim.benchmark.added import with_added
 from ev_sim.benchmark.board import Board, read_board
@@ -33,7 +33,8 @@ from ev_sim.benchmark.tables import (
 from ev_sim.commands.benchmark import drive_board
 
 PAGE = "docs/benchmark.md"
-PARTS = ("tuned", "closed", "open", "laws", "cells")
+TUNED = "tuned"
+PARTS = (TUNED, "closed", "open", "laws", "cells")
 LAWS_PAGE, LAW_PAGES = "docs/benchmark_laws.md", "law pages"
 NAME = "small"
 IMAGE = "benchmark_board"
@@ -45,7 +46,6 @@ def board_tables(result: BoardResult) -> dict[str, str]:
     driven = f"{len(result.cells)} cells, {result.board.draws} draws, hash of all runs `{result.hash}`."
     closed, laws = (score_rows(result, division) for division in (closed_division(result), result.laws))
     return {
-        "tuned": held_out_table(),
         "closed": table(SCORE_COLUMNS, [[code(law), *of] for law, *of in closed]),
         "open": f"{table(SCORE_COLUMNS, [[code(law), *of] for law, *of in laws])}\n{driven}\n",
         "laws": table(LAW_COLUMNS, [[code(law), *of] for law, *of in law_rows(result)]),
@@ -87,7 +87,8 @@ def law_pages(result: BoardResult) -> str:
 
 def _tuned_files() -> dict[str, Path]:
     """By law the file of its tuned parameters."""
-    files = sorted((config_folders()[-1] / "benchmarks" / "tuned").glob("*_tuned.yaml"))
+    folder = find_in_config("benchmarks/tuned")
+    files = sorted(folder.glob("*_tuned.yaml")) if folder else []
     return {path.stem.removesuffix("_tuned"): path for path in files}
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from ev_sim.benchmark.board import Cell
+from ev_sim.benchmark.board import COSTS, Cell
 from ev_sim.benchmark.drawing import undominated
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.scores import interquartile_mean, tail_mean
@@ -49,7 +49,7 @@ def _in_words(result: BoardResult, i: int) -> str:
 
 def _on_the_front(result: BoardResult, i: int) -> str:
     """Which laws are better in both handling and energy; on the front those next to it."""
-    points = np.array([[result.scores[of][n].value for of in ("handling", "energy")] for n in range(len(result.laws))])
+    points = np.array([[result.scores[of][n].value for of in COSTS] for n in range(len(result.laws))])
     front = undominated(points)
     if i not in front:
         better = [n for n in front if (points[n] <= points[i]).all()]
