@@ -69,7 +69,7 @@ def drive_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | Non
     manoeuvre = board.manoeuvres[cell.manoeuvre]
     driven = DrivenCell(cell, {}, {}, {}, {})
     for law, runs in laws_in_cell(board, cell, laws, threads).items():
-        metrics = [*manoeuvre.measured, *([clean(board, runs.run)] if manoeuvre.entry_speed else [])]
+        metrics = [*manoeuvre.measured, *([clean(board, runs.run)] if manoeuvre.searched else [])]
         found = batch(
             runs.run.configurations, manoeuvre.duration, runs.vary, metrics=metrics, threads=threads, hashes=True
         )
@@ -94,7 +94,7 @@ def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | N
         of_law = {f"{ROLE}.{name}": value for name, value in law_values(board, law, of_scenario).items()}
         run = replace(base, configurations={**base.configurations, ROLE: configuration})
         vary = {**draws.values, **own_draws(configuration, draws)}
-        if manoeuvre.entry_speed:
+        if manoeuvre.searched:
             vary |= highest_clean(board, manoeuvre, run, vary, threads)
         found[law] = LawInCell(run, vary, {**fixed, **of_law})
     return found

@@ -37,7 +37,7 @@ def run_tune(argv: Sequence[str]) -> None:
         if getattr(given, name) is not None and getattr(given, name) < least:
             raise ParameterError(f"--{name} {getattr(given, name)} is refused, allowed is {least} or more")
     board, name = _with_law(replace(read_board(given.board), draws=given.draws, seed=given.seed), given.law)
-    cells = [cell for cell in board.cells(given.cells) if not board.manoeuvres[cell.manoeuvre].entry_speed]
+    cells = [cell for cell in board.cells(given.cells) if not board.manoeuvres[cell.manoeuvre].searched]
     if not cells:
         raise ParameterError("--cells leaves none to tune on: entry speeds are not tuned for")
     result = f"{name}_tuned.yaml"

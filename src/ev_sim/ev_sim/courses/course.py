@@ -21,7 +21,7 @@ _COLUMNS = (
 )
 _FEWEST, _MOST = 12, 5000  # points
 _NEAREST, _FARTHEST = 0.5, 20.0  # [m], from one point to the next
-_RADIUS, _CHORDS = 30.0, 60  # of the circle that is there without a file
+_RADIUS, _CHORDS = 30.0, 24  # of the circle that is there without a file
 _TURNS = [2.0 * math.pi * n / _CHORDS for n in range(_CHORDS)]
 
 
