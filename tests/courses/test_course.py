@@ -98,7 +98,7 @@ def test_the_speed_profile_never_leaves_the_friction_ellipse(bends: list[float],
 
 
 def test_a_straight_is_driven_by_torque_then_power_then_brakes():
-    """compact_ev from a hairpin of 10 m: 2 x 180 N m x 8/0.305 m x 0.97 against 1600 kg, later 120 kW; 0.9 g to brake."""
+    """compact_ev from a hairpin of 10 m: first its front tyres, then its 120 kW, then 0.9 g of all tyres to brake."""
     vehicle, step = vehicle_of("compact_ev"), 1.0
     curvature = [0.1] * 3 + [0.0] * 500
     speed = np.sqrt(speed_profile(limits(LimitParameters(), vehicle), vehicle, curvature, [step] * 502))
@@ -131,12 +131,12 @@ def test_a_bad_file_is_one_line(tmp_path: Path, text: str, line: str):
     [
         ({7: "0.0,0.0,3,3"}, "point 8 is "),
         ({7: "31.0,41.0,-1,3"}, "point 8: a width of -1 m is refused, allowed is 0 or more"),
-        ({n: "" for n in range(20, 40)}, "the first one, with which it closes, is "),
-        ({n: None for n in range(40)}, "edge runs backwards, for the road is wider than its bend has room for"),
+        (dict.fromkeys(range(20, 40), ""), "the first one, with which it closes, is "),
+        (dict.fromkeys(range(40)), "edge runs backwards, the road is wider than its bend has room for"),
     ],
 )
 def test_points_that_are_no_course_are_one_line(tmp_path: Path, spoilt: dict[int, str | None], line: str):
-    """Of a circle of 30 m with 40 points: a jump, a negative width, no end, and a road that is wider than the circle."""
+    """Of a circle of 30 m with 40 points: a jump, a negative width, no end, a road wider than the circle."""
     path, rows = tmp_path / "course.csv", []
     for n in range(40):
         turn = 2.0 * np.pi * n / 40
@@ -149,7 +149,7 @@ def test_points_that_are_no_course_are_one_line(tmp_path: Path, spoilt: dict[int
 
 def test_a_road_narrower_than_the_car_is_refused():
     narrow = build(CourseParameters, {"width": [2.0] * 24})
-    with pytest.raises(ParameterError, match="course: the road is 2 m wide at point 1, allowed is more than 2.33 m"):
+    with pytest.raises(ParameterError, match=r"course: the road is 2 m wide at point 1, allowed is more than 2\.33 m"):
         racing_line(narrow, TRACK)
 
 

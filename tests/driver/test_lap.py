@@ -15,7 +15,9 @@ def driven(duration: float | None = None, **values: object) -> DrivenRun:
     """The scenario with other values of the driver and the plant, their dots as two underscores."""
     changed = [(*name.replace("__", ".").split(".", 1), value) for name, value in values.items()]
     run = load_scenario("lap", Overrides(values=changed, duration=duration)).runs[0]
-    return driven_run(true_motion(run_offline(run.configurations, run.duration), run.configurations), run.configurations)
+    return driven_run(
+        true_motion(run_offline(run.configurations, run.duration), run.configurations), run.configurations
+    )
 
 
 def measured(run: DrivenRun, name: str) -> float:
@@ -68,7 +70,12 @@ def test_a_lap_the_other_way_round_is_the_mirror_image():
         ).signals.channels
         for more in ({"driver__course__y": list(course.y)}, other)
     )
-    for name, sign in (("pose.x", 1.0), ("pose.y", -1.0), ("twist.yaw_rate", -1.0), ("driver.command.drive_torque", 1.0)):
+    for name, sign in (
+        ("pose.x", 1.0),
+        ("pose.y", -1.0),
+        ("twist.yaw_rate", -1.0),
+        ("driver.command.drive_torque", 1.0),
+    ):
         assert (one[name] == sign * image[name]).all(), name
 
 

@@ -38,7 +38,9 @@ def clean(board: Board, run: Run) -> NamedMetric:
             return 0.0
         return float(in_lanes and peak_sideslip(driven.signals) < board.unstable)
 
-    return NamedMetric(CLEAN, "1", "1: stable, in the lanes and on the road to the end, no cone hit, all laps driven; else 0", of, ())
+    return NamedMetric(
+        CLEAN, "1", "1: stable, in the lanes and on the road to the end, no cone hit, all laps driven; else 0", of, ()
+    )
 
 
 def at_speeds(speeds: np.ndarray) -> dict[str, list[Any]]:

@@ -1,1 +1,1 @@
-"""Closed courses: centre line and widths from a file, the line of least curvature, and the speed that a car can hold."""
+"""Closed courses from files, the line of least curvature on them, and the speed that a car can hold along it."""

@@ -76,7 +76,9 @@ def with_course_from_file(parameters: CourseParameters) -> CourseParameters:
         _refuse_number(len(columns[0]))
         for number, widths in enumerate(zip(*columns[2:], strict=True)):
             if min(widths) < 0.0:
-                raise ParameterError(f"point {number + 1}: a width of {min(widths):g} m is refused, allowed is 0 or more")
+                raise ParameterError(
+                    f"point {number + 1}: a width of {min(widths):g} m is refused, allowed is 0 or more"
+                )
         return build(CourseParameters, {**flatten(parameters), "file": "", **_placed(*columns)})
 
     return read_csv("course.file", parameters.file, _COLUMNS, course) if parameters.file else parameters
@@ -129,7 +131,7 @@ def _refuse_folds(course: CourseParameters) -> None:
         on = np.roll(edge, -1, axis=0) - edge
         if (folds := np.flatnonzero((on * leg).sum(axis=1) <= 0.0)).size:
             raise ParameterError(
-                f"point {folds[0] + 1}: the {side} edge runs backwards, for the road is wider than its bend has room for"
+                f"point {folds[0] + 1}: the {side} edge runs backwards, the road is wider than its bend has room for"
             )
 
 

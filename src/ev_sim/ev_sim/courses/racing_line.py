@@ -26,7 +26,7 @@ _BAND = 4  # of the matrix of neighbours and their neighbours, both ends of the 
 class RacingLine(NamedTuple):
     """A closed line: points (n, 2) [m], curvature there, left positive (n,) [1/m], and room to both edges (n,) [m].
 
-    `offset` is how far each point lies left of the middle of the road, (n,) [m]; `step` the length to the next (n,) [m].
+    `offset` is how far each point lies left of the middle of the road, `step` the length to the next one, (n,) [m].
     """
 
     points: np.ndarray

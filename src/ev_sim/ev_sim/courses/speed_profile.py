@@ -1,8 +1,8 @@
 """The fastest speed along a closed line that a car can hold: a pass along it for driving, one against it for braking.
 
 Kapania, Subosits and Gerdes (2016), A sequential two-step algorithm for fast generation of vehicle racing trajectories,
-J. Dyn. Syst. Meas. Control 138, 091005, section 2: bends by lateral grip alone, then both passes on the friction ellipse
-of a point mass, here with the drag of the car and the torque and power of its motors.
+J. Dyn. Syst. Meas. Control 138, 091005, section 2: bends by lateral grip alone, then both passes on the friction
+ellipse of a point mass, here with the drag of the car and the torque and power of its motors.
 """
 
 from __future__ import annotations

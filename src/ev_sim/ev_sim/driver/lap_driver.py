@@ -1,4 +1,4 @@
-"""A driver at the limit, who laps a closed course: on its racing line, as fast as the tyres and motors of his car allow."""
+"""A driver at the limit on a closed course: on its racing line, as fast as tyres and motors of his car allow."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def speed_ahead(c: Laps, distance: float, leg: int) -> float:
 
 @compilable
 def wanted_speed(p: LimitParameters, c: Laps, distance: float, leg: int, speed: float) -> float:
-    """The speed [m/s] that the feet follow: that of the profile, by what the bend leaves of the ellipse at this speed."""
+    """The speed [m/s] that the feet follow: the profile, as far as the bend leaves some of the ellipse at this speed."""
     wanted = p.scale * speed_ahead(c, distance + abs(speed) * c.ahead, leg)
     all_of_it = p.scale * p.scale
     across = speed * speed * max(abs(c.curvature[leg]), abs(c.curvature[leg + 1])) / (all_of_it * c.lateral)
@@ -180,7 +180,7 @@ def lap(
     pose: BodyPose,
     column: SteeringColumnState,
 ) -> DriverCommand:
-    """Lap a closed course at the limit: its racing line by optimal preview, its speed profile by the pedals; then stop."""
+    """Lap a closed course at the limit, its racing line by optimal preview and its speed profile by the pedals."""
     speed = speed_along_path(body)
     if abs(speed) > LOOKING_ROUND:
         s.preview.direction = 1.0 if speed > 0.0 else -1.0

@@ -46,6 +46,8 @@ def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, S
     if course is not None:
         lines = (*edges(course), line_of(course, vehicle).points)
         closed = (np.vstack((line, line[:1])).T for line in lines)
-        tracks += [Curve(x, y, of) for of, (x, y) in zip(("left edge", "right edge", "racing line"), closed, strict=True)]
+        tracks += [
+            Curve(x, y, of) for of, (x, y) in zip(("left edge", "right edge", "racing line"), closed, strict=True)
+        ]
     names = ("speed", "lateral_acceleration", "yaw_rate", "sideslip_angle")
     return {"course": plan_view("Closed course", tracks), "motion": Sheet(motion_panels(runs, *names))}

@@ -1,4 +1,4 @@
-"""Laps of a closed course: when its line is crossed, how far the car is from the racing line, whether it leaves the road."""
+"""Laps of a closed course: their times, the distance from the racing line, and whether the car leaves the road."""
 
 from __future__ import annotations
 

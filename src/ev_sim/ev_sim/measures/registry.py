@@ -182,8 +182,8 @@ _OF_ANY_RUN = (
         (_TWIST, *_FORCES, "tire_forces.load.", _FRICTION), HIGHER,
     ),
     NamedMetric(
-        "lap_time", "s", "shortest time from crossing the line of a closed course to crossing it again, without leaving "
-        "the course", lambda run: laps.lap_times(run.signals, run.vehicle, run.course).min(), ("pose.",), LOWER,
+        "lap_time", "s", "shortest time from crossing the line of a closed course to crossing it again, on the road",
+        lambda run: laps.lap_times(run.signals, run.vehicle, run.course).min(), ("pose.",), LOWER,
     ),
     NamedMetric(
         "path_error", "m", "rms distance of the centre of mass from the racing line in all whole laps",
