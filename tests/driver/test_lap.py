@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.measures.registry import METRICS, DrivenRun, driven_run
 from ev_sim.recording.offline import run_offline, true_motion
 from ev_sim.recording.recording import Recording
@@ -77,6 +78,12 @@ def test_a_lap_the_other_way_round_is_the_mirror_image():
         ("driver.command.drive_torque", 1.0),
     ):
         assert (one[name] == sign * image[name]).all(), name
+
+
+def test_the_hottest_winding_counts(lap: DrivenRun):
+    channels = {f"motor_temperatures.winding.{wheel}": np.full(3, float(n)) for n, wheel in enumerate(WHEEL_NAMES)}
+    run = lap._replace(signals=Recording(np.arange(3.0), channels))
+    assert measured(run, "peak_winding_temperature") == 3.0
 
 
 def test_a_car_that_cuts_across_leaves_the_course(lap: DrivenRun):

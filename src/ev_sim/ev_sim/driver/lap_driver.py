@@ -134,7 +134,7 @@ def speed_ahead(c: Laps, distance: float, leg: int) -> float:
 
 @compilable
 def wanted_speed(p: LimitParameters, c: Laps, distance: float, leg: int, speed: float) -> float:
-    """The speed [m/s] that the feet follow: the profile, as far as the bend leaves some of the ellipse at this speed."""
+    """The speed [m/s] that the feet follow: the profile, by what the bend leaves of the ellipse at this speed."""
     wanted = p.scale * speed_ahead(c, distance + abs(speed) * c.ahead, leg)
     all_of_it = p.scale * p.scale
     across = speed * speed * max(abs(c.curvature[leg]), abs(c.curvature[leg + 1])) / (all_of_it * c.lateral)
