@@ -15,7 +15,8 @@ from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.batch import EVERY_ROLE, batch
+from ev_sim.batches.batch import batch
+from ev_sim.batches.variation import EVERY_ROLE
 from ev_sim.benchmark.board import FRICTION, SIDES, TOLD_FRICTION, Board, Cell, by_role
 from ev_sim.benchmark.entry_speed import CLEAN, at_speeds, clean, highest_clean
 from ev_sim.measures.metric import NotMeasured
