@@ -43,7 +43,7 @@ def run_benchmark(argv: Sequence[str]) -> None:
         raise ParameterError(f"--secret {quoted(given.secret)} is a board, allowed is no other one beside it")
     board, added = with_added(_asked(read_board(given.secret or given.board or "small"), given), given.add)
     laws = _laws(board, given.laws, added)
-    check_laws(board, added)
+    check_laws(board, laws, added)
     if given.drive:
         _drive_alone(board, given)
         return
