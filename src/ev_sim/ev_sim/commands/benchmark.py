@@ -19,6 +19,7 @@ from ev_sim.benchmark.board import Board, read_board
 from ev_sim.benchmark.drawing import board_sheet
 from ev_sim.benchmark.driving import drive_cell, laws_in_cell, words_of
 from ev_sim.benchmark.held_out import held_out
+from ev_sim.benchmark.law_pages import law_page
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.tables import CELL_COLUMNS, SCORE_COLUMNS, cell_rows, closed_division, score_rows
 from ev_sim.command_line.options import arguments, command_of
@@ -32,7 +33,8 @@ from ev_sim.report.tables import text_table, write_parquet
 from ev_sim.running.output_folder import OutputFolder
 
 FIGURE = "board"
-FILES = ("board.json", "runs.json", "runs.parquet", f"{FIGURE}.png")
+PAGES = "laws.md"
+FILES = ("board.json", "runs.json", "runs.parquet", PAGES, f"{FIGURE}.png")
 
 
 def run_benchmark(argv: Sequence[str]) -> None:
@@ -59,7 +61,7 @@ def run_benchmark(argv: Sequence[str]) -> None:
             if division:
                 print(f"\n{title} division")
                 print(text_table(SCORE_COLUMNS, score_rows(result, division), left=("law",)))
-        _write(folder.directory, result, command_of(["benchmark", *argv]), given)
+        _write(folder.directory, result, command_of(["benchmark", *argv]), given, added)
         if not given.no_report:
             save_figures(drawn({FIGURE: board_sheet(result)}), folder.directory)
     runs = len(result.cells) * len(result.laws) * board.draws
@@ -155,7 +157,7 @@ def _laws(board: Board, names: str | None, added: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(asked))
 
 
-def _write(folder: Path, result: BoardResult, command: str, given: argparse.Namespace) -> None:
+def _write(folder: Path, result: BoardResult, command: str, given: argparse.Namespace, added: Sequence[str]) -> None:
     about = {"held_out": given.held_out, "versions": versions(), "command": command}
     if given.secret:
         digest = hashlib.sha256(read_data(Path(given.secret), TEXT)).hexdigest()
@@ -166,4 +168,7 @@ def _write(folder: Path, result: BoardResult, command: str, given: argparse.Name
     runs = result.runs()
     write_summary(folder / "runs.json", {"runs": runs})
     names = dict.fromkeys(name for run in runs for name in run)
+    order = [*added, *(law for law in result.laws if law not in (*added, result.board.reference))]
+    pages = [law_page(result, law) for law in order]
+    (folder / PAGES).write_text("\n".join([f"# Laws on the board {result.board.name}\n", *pages]), encoding="utf-8")
     write_parquet(folder / "runs.parquet", {name: [run.get(name) for run in runs] for name in names})

@@ -189,6 +189,11 @@ def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[
 def _refuse_unfollowed_speed(changed: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
     """ParameterError for a speed over time, or a cycle, where no driver ever follows one."""
     names = [key for node, key, _ in changed if node in ("*", "driver") and key.startswith("speed_profile.")]
+    drivers = [run.configurations["driver"] for run in runs]
+    if names and not any("speed_profile.time" in driver.values() for driver in drivers):
+        raise ParameterError(
+            f"driver.{names[0]} is refused: driver method {drivers[0].method.name} follows no speed over time"
+        )
     if names and not any(map(_follows_a_speed, runs)):
         raise ParameterError(
             f"driver.{names[0]} is refused: the driver goes by the pedals from the start on, "
