@@ -38,7 +38,8 @@ class Manoeuvre:
     """A run of a scenario, the roads that it is driven on, and the metrics of each cost.
 
     `steering_on`: the road on which the steering angles are found on the very car, by the slow ramp of the scenario.
-    `entry_speed`: bounds of the speed that is raised until the car is not clean any more [m/s], by `halvings`.
+    `entry_speed`: bounds of the speed that is raised until the car is not clean any more [m/s], by `halvings`;
+    `speed_scale`: those of the scale of the speed profile of a lap [1], likewise.
     """
 
     scenario: str
@@ -50,12 +51,18 @@ class Manoeuvre:
     values: Mapping[str, Any] = field(default_factory=dict)
     steering_on: str = ""
     entry_speed: list[float] = field(default_factory=list)
+    speed_scale: list[float] = field(default_factory=list)
     halvings: int = 6
 
     def metrics(self, *costs: str) -> list[str | NamedMetric]:
         """What some costs count: names of the registry, expressions whose lower values are better, the entry speed."""
         texts = dict.fromkeys(text for cost in costs for text in getattr(self, cost))
         return [ENTRY_SPEED if text == ENTRY_SPEED.name else text for text in texts]
+
+    @property
+    def searched(self) -> list[float]:
+        """The bounds of what is raised until the car is not clean any more; empty if nothing is."""
+        return self.entry_speed or self.speed_scale
 
     @property
     def measured(self) -> list[str | NamedMetric]:
@@ -249,12 +256,12 @@ def _refuse(board: Board, path: Path) -> None:
 
 
 def _refuse_search(name: str, manoeuvre: Manoeuvre) -> None:
-    bounds = manoeuvre.entry_speed
+    if manoeuvre.entry_speed and manoeuvre.speed_scale:
+        raise ParameterError(f"{name} has entry_speed and speed_scale, allowed is one of them")
+    what, bounds = "speed_scale" if manoeuvre.speed_scale else "entry_speed", manoeuvre.searched
     if bounds and not (len(bounds) == 2 and 0.0 < bounds[0] < bounds[1] and 1 <= manoeuvre.halvings <= 30):
-        raise ParameterError(
-            f"entry_speed of {name} is {bounds}, allowed are two speeds that rise, and 1 to 30 halvings"
-        )
-    if not bounds and ENTRY_SPEED in manoeuvre.measured:
+        raise ParameterError(f"{what} of {name} is {bounds}, allowed are two numbers that rise, and 1 to 30 halvings")
+    if not manoeuvre.entry_speed and ENTRY_SPEED in manoeuvre.measured:
         raise ParameterError(f"entry_speed of {name} is measured, allowed with the bounds entry_speed: [LOW, HIGH]")
 
 

@@ -69,7 +69,7 @@ def drive_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | Non
     manoeuvre = board.manoeuvres[cell.manoeuvre]
     driven = DrivenCell(cell, {}, {}, {}, {})
     for law, runs in laws_in_cell(board, cell, laws, threads).items():
-        metrics = [*manoeuvre.measured, *([clean(board, runs.run)] if manoeuvre.entry_speed else [])]
+        metrics = [*manoeuvre.measured, *([clean(board, runs.run)] if manoeuvre.searched else [])]
         found = batch(
             runs.run.configurations, manoeuvre.duration, runs.vary, metrics=metrics, threads=threads, hashes=True
         )
@@ -94,7 +94,7 @@ def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | N
         of_law = {f"{role}.{name}": value for role, of in values.items() for name, value in of.items()}
         run = replace(base, configurations={**base.configurations, **playing})
         vary = {**draws.values, **own_draws(playing, draws)}
-        if manoeuvre.entry_speed:
+        if manoeuvre.searched:
             vary |= highest_clean(board, manoeuvre, run, vary, threads)
         found[law] = LawInCell(run, vary, {**fixed, **of_law})
     return found

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_sim.benchmark.board import COSTS, Board
+from ev_sim.benchmark.board import COSTS, Board, Cell
 from ev_sim.benchmark.distributions import COSTS_SHOWN, Estimate, improvement, performance_profiles
 from ev_sim.benchmark.driving import DrivenCell
 from ev_sim.benchmark.scores import Score, costs_of, interquartile_mean, scores, tail_mean
@@ -29,9 +29,9 @@ class BoardResult:
     words: Sequence[str] = ()
 
     @cached_property
-    def _counted(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-        """Which runs are unstable, and by cost what each costs; of one cell after the other, which may be on disk."""
-        unstable, costs = [], {cost: [] for cost in COSTS}
+    def _counted(self) -> tuple[np.ndarray, dict[str, np.ndarray], list[Cell]]:
+        """Which runs are unstable, by cost what each costs, and the cells: one after the other, to spare memory."""
+        unstable, costs, places = list[np.ndarray](), {cost: list[np.ndarray]() for cost in COSTS}, list[Cell]()
         for cell in self.cells:
             manoeuvre, board = self.board.manoeuvres[cell.cell.manoeuvre], self.board
             sideslip = np.array([cell.metrics[law]["peak_sideslip"] for law in self.laws])
@@ -39,7 +39,8 @@ class BoardResult:
             for cost, of in costs.items():
                 texts = manoeuvre.metrics(cost)
                 of.append(costs_of(cell.metrics, texts, board.scales, board.reference, unstable[-1]))
-        return np.stack(unstable, axis=1), {cost: np.stack(of, axis=1) for cost, of in costs.items()}
+            places.append(cell.cell)
+        return np.stack(unstable, axis=1), {cost: np.stack(of, axis=1) for cost, of in costs.items()}, places
 
     @property
     def unstable(self) -> np.ndarray:
@@ -71,9 +72,10 @@ class BoardResult:
         """By cost the probability that a law is better than another one, (laws, laws)."""
         return {cost: improvement(of, self.board.seed) for cost, of in self.costs.items()}
 
-    @cached_property
-    def _ids(self) -> list[str]:
-        return [each.cell.id("*") for each in self.cells]
+    @property
+    def places(self) -> list[Cell]:
+        """The cells without what was driven, which may be on disk."""
+        return self._counted[2]
 
     def scores_among(self, laws: Sequence[int]) -> dict[str, list[Score]]:
         """The scores of some laws, ranked among themselves."""
@@ -87,7 +89,7 @@ class BoardResult:
     def once_more(self, cell: int, law: int, draw: int) -> str:
         """The line that drives a run alone."""
         words = command_of(self.words)
-        return f"{words} --cells '{self._ids[cell]}' --drive {self.laws[law]}:{draw}"
+        return f"{words} --cells '{self.places[cell].id('*')}' --drive {self.laws[law]}:{draw}"
 
     def runs(self) -> Iterator[dict[str, Any]]:
         """A record of each run: its metrics, None where there is no number, signal hash, and what drives it again."""
@@ -125,7 +127,7 @@ class BoardResult:
             "board": self.board.name,
             "version": self.board.version,
             "draws": self.board.draws,
-            "cells": self._ids,
+            "cells": [each.id("*") for each in self.places],
             "scores": {
                 law: {of: each[i]._asdict() for of, each in self.scores.items()}
                 | {"unstable": float(self.unstable[i].mean())}

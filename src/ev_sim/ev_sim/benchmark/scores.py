@@ -88,6 +88,22 @@ def scores(costs: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], see
     ]
 
 
+def difference(
+    one: np.ndarray, other: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], seed: int
+) -> tuple[float, float, float]:
+    """By how much a statistic of the costs of one law, (cells, draws), is above that of another, and its interval."""
+    both = np.stack([one, other])
+    cells, draws = one.shape
+    found = [
+        statistic(both[:, np.arange(cells)[:, None], chosen].reshape(2, _AT_ONCE, -1))
+        for chosen in resampled_draws(cells, draws, seed)
+    ]
+    resampled = np.concatenate(found, axis=1)
+    low, high = np.percentile(resampled[0] - resampled[1], ENDS)
+    value = statistic(one.ravel()) - statistic(other.ravel())
+    return float(value), float(low), float(high)
+
+
 def resampled_draws(cells: int, draws: int, seed: int) -> Iterator[np.ndarray]:
     """Draws drawn anew within each cell, for RESAMPLES boards, _AT_ONCE at a time, (boards, cells, draws)."""
     random = np.random.Generator(np.random.PCG64(seed))

@@ -20,6 +20,7 @@ from ev_sim.benchmark.drawing import board_sheet
 from ev_sim.benchmark.driving import DrivenCell, drive_cell, laws_in_cell, words_of
 from ev_sim.benchmark.held_out import held_out
 from ev_sim.benchmark.kept_cells import FOLDER, KeptCells
+from ev_sim.benchmark.law_pages import law_page
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.run_files import RUNS, write_runs
 from ev_sim.benchmark.tables import CELL_COLUMNS, SCORE_COLUMNS, cell_rows, closed_division, score_rows
@@ -35,7 +36,8 @@ from ev_sim.running.output_folder import OutputFolder
 from ev_sim.study.workers import load_for, perform_jobs
 
 FIGURE = "board"
-FILES = ("board.json", *RUNS, f"{FIGURE}.png")
+PAGES = "laws.md"
+FILES = ("board.json", *RUNS, PAGES, f"{FIGURE}.png")
 RUNS_OF_A_JOB = 100  # or those of one law in a cell: about two seconds
 
 
@@ -68,7 +70,7 @@ def run_benchmark(argv: Sequence[str]) -> None:
             if division:
                 print(f"\n{title} division")
                 print(text_table(SCORE_COLUMNS, score_rows(result, division), left=("law",)))
-        _write(folder.directory, result, command_of(["benchmark", *argv]), given)
+        _write(folder.directory, result, command_of(["benchmark", *argv]), given, added)
         if not given.no_report:
             save_figures(drawn({FIGURE: board_sheet(result)}), folder.directory)
     print(f"hash of all runs {result.hash}")
@@ -77,11 +79,12 @@ def run_benchmark(argv: Sequence[str]) -> None:
     print(f"scores, all runs and figure: {folder.directory}")
 
 
-def drive_board(board: Board, pattern: str = "*") -> BoardResult:
-    """Drive the cells that fit with all laws, and keep what they give in memory."""
-    kept = KeptCells(board, board.cells(pattern), list(board.laws))
+def drive_board(board: Board, pattern: str = "*", laws: Sequence[str] = ()) -> BoardResult:
+    """Drive the cells that fit with some laws, all if none is named, and keep what they give in memory."""
+    chosen = list(laws or board.laws)
+    kept = KeptCells(board, board.cells(pattern), chosen)
     _drive(board, kept)
-    return BoardResult(board, list(board.laws), kept, ["benchmark", board.name])
+    return BoardResult(board, chosen, kept, ["benchmark", board.name])
 
 
 def _drive(board: Board, kept: KeptCells, scheduler: str | None = None, workers: int | None = None) -> int:
@@ -104,7 +107,7 @@ def _drive(board: Board, kept: KeptCells, scheduler: str | None = None, workers:
 def _jobs(board: Board, cell: Cell, laws: Sequence[str]) -> Iterator[tuple[Board, Cell, Sequence[str], int]]:
     """What `drive_cell` is called with, on one thread: as many laws as make a job that is worth preparing the cell."""
     manoeuvre = board.manoeuvres[cell.manoeuvre]
-    of_law = board.draws * (1 + manoeuvre.halvings * bool(manoeuvre.entry_speed))
+    of_law = board.draws * (1 + manoeuvre.halvings * bool(manoeuvre.searched))
     count = max(RUNS_OF_A_JOB // of_law, 1)
     for begin in range(0, len(laws), count):
         yield board, cell, laws[begin : begin + count], 1
@@ -195,7 +198,7 @@ def _laws(board: Board, names: str | None, added: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(asked))
 
 
-def _write(folder: Path, result: BoardResult, command: str, given: argparse.Namespace) -> None:
+def _write(folder: Path, result: BoardResult, command: str, given: argparse.Namespace, added: Sequence[str]) -> None:
     about = {"held_out": given.held_out, "versions": versions(), "command": command}
     if given.secret:
         digest = hashlib.sha256(read_data(Path(given.secret), TEXT)).hexdigest()
@@ -204,3 +207,6 @@ def _write(folder: Path, result: BoardResult, command: str, given: argparse.Name
         return
     write_summary(folder / "board.json", result.as_json() | about)
     write_runs(folder, result)
+    order = [*added, *(law for law in result.laws if law not in (*added, result.board.reference))]
+    pages = [law_page(result, law) for law in order]
+    (folder / PAGES).write_text("\n".join([f"# Laws on the board {result.board.name}\n", *pages]), encoding="utf-8")

@@ -81,7 +81,7 @@ def _parser() -> argparse.ArgumentParser:
 def _references(board: Board, given: argparse.Namespace) -> References:
     """The boards of training and validation by name, and the runs of the reference on each of their cells."""
     training = with_cases(board, "training", given.seed)
-    cells = [cell for cell in training.cells(given.cells) if not board.manoeuvres[cell.manoeuvre].entry_speed]
+    cells = [cell for cell in training.cells(given.cells) if not board.manoeuvres[cell.manoeuvre].searched]
     if not cells:
         raise ParameterError("--cells leaves none to tune on: entry speeds are not tuned for")
     kept = {(cell.manoeuvre, cell.road) for cell in cells}
