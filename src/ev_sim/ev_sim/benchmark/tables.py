@@ -83,7 +83,7 @@ def _ends(result: BoardResult, law: int, reference: int) -> tuple[str, str]:
 
 def short_id(result: BoardResult, cell: int) -> str:
     """CAR:LAYOUT:MANOEUVRE:ROAD of a cell."""
-    of = result.cells[cell].cell
+    of = result.places[cell]
     return f"{of.car}:{of.manoeuvre}:{of.road}"
 
 
