@@ -63,8 +63,8 @@ def _on_the_front(result: BoardResult, i: int) -> str:
 
 def _parts(result: BoardResult, i: int) -> Iterator[list[str]]:
     for group in _GROUPS:
-        for name in dict.fromkeys(group(each.cell) for each in result.cells):
-            places = [n for n, each in enumerate(result.cells) if group(each.cell) == name]
+        for name in dict.fromkeys(group(each) for each in result.places):
+            places = [n for n, each in enumerate(result.places) if group(each) == name]
             handling, energy = (
                 result.costs[of][:, places].reshape(len(result.laws), -1) for of in ("handling", "energy")
             )

@@ -73,11 +73,13 @@ def scores(costs: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], see
     than another one if the interval of their difference says so.
     """
     laws, cells, draws = costs.shape
-    found = []
-    for chosen in resampled_draws(cells, draws, seed):
-        of_laws = costs[:, np.arange(cells)[:, None], chosen]
-        found.append(statistic(of_laws.reshape(laws, _AT_ONCE, -1)).T)
-    resampled = np.concatenate(found)
+    resampled = np.array(
+        [
+            statistic(costs[:, np.arange(cells)[:, None], each].reshape(laws, -1))
+            for chosen in resampled_draws(cells, draws, seed)
+            for each in chosen
+        ]
+    )
     low, high = np.percentile(resampled, ENDS, axis=0)
     worse = np.percentile(resampled[:, :, None] - resampled[:, None, :], ENDS[0], axis=0) > 0.0
     values = statistic(costs.reshape(laws, -1))
