@@ -93,7 +93,8 @@ def test_the_command_of_a_run_drives_it_again(result: BoardResult):
 
 
 def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
-    main(["benchmark", "--cells", STEP, "--laws", "pi", "--draws", "1", "--out", str(tmp_path)])
+    words = ["benchmark", "--cells", STEP, "--laws", "pi", "--draws", "1", "--out", str(tmp_path)]
+    main(words)
     board, runs = (json.loads((tmp_path / f"{name}.json").read_text()) for name in ("board", "runs"))
     assert [each["law"] for each in runs["runs"]] == LAWS
     assert len(board["profiles"]["pi"]["energy"]["low"]) == len(board["profiles"]["cost"])
@@ -103,6 +104,11 @@ def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
     printed = capsys.readouterr().out
     assert f"hash of all runs {board['hash']}" in printed
     assert f"scripts/run.sh benchmark small --draws 1 --cells '{STEP}:v1' --drive equal_torque:0" in printed
+    assert "driven before" not in printed
+    main([*words, "--no-report"])
+    printed = capsys.readouterr().out
+    assert f"hash of all runs {board['hash']}" in printed
+    assert ", 2 of them driven before" in printed
 
 
 @pytest.mark.parametrize("way", ["--offline", "--in-process"])

@@ -74,15 +74,16 @@ def _ends(result: BoardResult, law: int, reference: int) -> tuple[str, str]:
     best, worst = int(np.argmin(more)), int(np.argmax(more))
     lost = [int(result.unstable[i, worst].sum()) for i in (law, reference)]
     unstable = f"; unstable {lost[0]} for {lost[1]} of {result.board.draws}" if any(lost) else ""
-    texts = [f"{_short(result, n)}: {middle[law, n]:.2f} for {middle[reference, n]:.2f}" for n in (best, worst)]
+    texts = [f"{short_id(result, n)}: {middle[law, n]:.2f} for {middle[reference, n]:.2f}" for n in (best, worst)]
     return (
         texts[0] if more[best] < -_EQUAL else "nowhere",
         texts[1] + unstable if more[worst] > _EQUAL else "nowhere",
     )
 
 
-def _short(result: BoardResult, cell: int) -> str:
-    of = result.cells[cell].cell
+def short_id(result: BoardResult, cell: int) -> str:
+    """CAR:LAYOUT:MANOEUVRE:ROAD of a cell."""
+    of = result.places[cell]
     return f"{of.car}:{of.manoeuvre}:{of.road}"
 
 
