@@ -5,8 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -21,12 +21,16 @@ from ev_sim.command_line.options import command_of
 
 @dataclass(frozen=True)
 class BoardResult:
-    """A board, the laws and cells of it that were driven, in this order; `words` of the command that drives a cell."""
+    """A board, the laws and cells of it that were driven, in this order; `words` of the command that drives a cell.
+
+    `step_times` are what was read of a clock (`step_times.step_times`), so that they count in no hash.
+    """
 
     board: Board
     laws: Sequence[str]
     cells: Sequence[DrivenCell]
     words: Sequence[str] = ()
+    step_times: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def _counted(self) -> tuple[np.ndarray, dict[str, np.ndarray], list[Cell]]:
@@ -145,6 +149,7 @@ class BoardResult:
                 }
                 for i, law in enumerate(self.laws)
             },
+            "step_time_ns": {law: round(of) for law, of in self.step_times.items()},
             "hash": self.hash,
         }
 

@@ -12,7 +12,7 @@ from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.scores import Score
 
 SCORE_COLUMNS = ("law", "handling", "rank", "worst tenth", "rank", "energy", "rank", "unstable [%]")
-LAW_COLUMNS = ("law", *(f"{cost} better [%]" for cost in COSTS), "wins most in", "breaks most in")
+LAW_COLUMNS = ("law", *(f"{cost} better [%]" for cost in COSTS), "step [µs]", "wins most in", "breaks most in")
 CELL_COLUMNS = (
     "cell",
     *(f"{cost}: {which}" for cost in COSTS for which in ("best", "cost")),
@@ -51,7 +51,8 @@ def law_rows(result: BoardResult) -> list[list[str]]:
     for i, law in enumerate(result.laws):
         if i != reference:
             shares = [_percent(result.improvement[cost], i, reference) for cost in COSTS]
-            rows.append([law, *shares, *_ends(result, i, reference)])
+            step = f"{1e-3 * result.step_times[law]:.2f}" if law in result.step_times else "-"
+            rows.append([law, *shares, step, *_ends(result, i, reference)])
     return rows
 
 

@@ -23,6 +23,7 @@ from ev_sim.benchmark.kept_cells import FOLDER, KeptCells
 from ev_sim.benchmark.law_pages import law_page
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.run_files import RUNS, write_runs
+from ev_sim.benchmark.step_times import step_times
 from ev_sim.benchmark.tables import CELL_COLUMNS, SCORE_COLUMNS, cell_rows, closed_division, score_rows
 from ev_sim.command_line.options import arguments, command_of
 from ev_sim.command_line.refusal import Parser
@@ -63,7 +64,7 @@ def run_benchmark(argv: Sequence[str]) -> None:
     names = [] if given.secret else kept.files
     with OutputFolder(out, "benchmark", [*FILES, *names], keeps=_kept(out, kept, given)) as folder:
         before = _drive(board, kept, given.scheduler, given.workers)
-        result = BoardResult(board, laws, kept, _words(given))
+        result = BoardResult(board, laws, kept, _words(given), step_times(board, cells[0], laws))
         if not given.secret:
             print(text_table(CELL_COLUMNS, cell_rows(result), left=CELL_COLUMNS))
         for title, division in (("closed", closed_division(result)), ("open", result.laws)):
@@ -82,9 +83,10 @@ def run_benchmark(argv: Sequence[str]) -> None:
 def drive_board(board: Board, pattern: str = "*", laws: Sequence[str] = ()) -> BoardResult:
     """Drive the cells that fit with some laws, all if none is named, and keep what they give in memory."""
     chosen = list(laws or board.laws)
-    kept = KeptCells(board, board.cells(pattern), chosen)
+    cells = board.cells(pattern)
+    kept = KeptCells(board, cells, chosen)
     _drive(board, kept)
-    return BoardResult(board, chosen, kept, ["benchmark", board.name])
+    return BoardResult(board, chosen, kept, ["benchmark", board.name], step_times(board, cells[0], chosen))
 
 
 def _drive(board: Board, kept: KeptCells, scheduler: str | None = None, workers: int | None = None) -> int:
