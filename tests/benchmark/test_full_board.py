@@ -10,7 +10,7 @@ import pytest
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.batch import batch
+from ev_sim.batches.by_period import batch_by_period
 from ev_sim.benchmark.board import Board, read_board
 from ev_sim.benchmark.driving import drawn, drive_cell, laws_in_cell, run_of, values_of
 from ev_sim.benchmark.entry_speed import CLEAN, at_speeds, clean
@@ -57,7 +57,7 @@ def test_the_entry_speed_is_clean_and_the_next_one_is_not(board: Board):
         assert ((speeds > 12.0) & (speeds < 40.0)).all()
         faster = {**runs.vary, **at_speeds(speeds + RESOLUTION)}
         metric = clean(board, runs.run)
-        assert not batch(runs.run.configurations, 14.0, faster, metrics=[metric]).metrics[CLEAN].any()
+        assert not batch_by_period(runs.run.configurations, 14.0, faster, metrics=[metric]).metrics[CLEAN].any()
 
 
 def test_a_car_that_is_clean_at_no_speed_counts_as_unstable(board: Board):

@@ -26,7 +26,7 @@ SIDES = ("left", "right")
 ROLE, FURTHER = "electronic_differential", ("asr",)  # roles that a law of a board plays
 CASES = ("training", "validation", "held_out")
 _ALIKE = ("method", "reference", "allocation", "estimation", "asr.method")  # in the closed division
-FRICTION, TOLD_FRICTION = "friction", "told_friction"  # variations that are no parameters
+FRICTION, TOLD_FRICTION, MOTOR_FAULT = "friction", "told_friction", "motor_fault"  # variations that are no parameters
 ENTRY_SPEED = NamedMetric(
     "entry_speed", "m/s", "speed at the beginning, the highest one that was driven clean",
     lambda run: motion.path_speed(run.signals)[0], ("twist.",), HIGHER,
@@ -87,17 +87,24 @@ class Road:
 
 @dataclass(frozen=True, slots=True)
 class Variation:
-    """A parameter and one of: the bounds of a factor on what the car has, of a value, of a whole number."""
+    """A parameter and one of: the bounds of a factor on what the car has, of a value, of a whole number; or a choice.
+
+    Of `motor_fault` the value is the share that the motor of one driven wheel still gives; `begin` are bounds of when
+    that begins [s], `probability` that there is a fault at all.
+    """
 
     parameter: str
     factor: list[float] = field(default_factory=list)
     value: list[float] = field(default_factory=list)
     count: list[int] = field(default_factory=list)
+    choice: list[float] = field(default_factory=list)
+    begin: list[float] = field(default_factory=list)
+    probability: float = 1.0
 
     @property
     def bounds(self) -> list[float]:
         """The lower and the upper one."""
-        return self.factor or self.value or self.count
+        return self.factor or self.value or self.count or [0.0, 1.0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,12 +248,7 @@ def _refuse(board: Board, path: Path) -> None:
             if not (is_of(scale, "float") and scale > 0.0):
                 raise ParameterError(f"scales lacks a number above 0 for {metric} of {name}")
     for variation in [*board.variations, *(each for cases in kept.values() for each in cases.variations)]:
-        bounds = [*variation.factor, *variation.value, *variation.count]
-        if len(bounds) != 2 or not bounds[0] <= bounds[1]:
-            raise ParameterError(
-                f"variation of {variation.parameter} has the bounds {bounds}, allowed are two that rise, of one of "
-                "factor, value, count"
-            )
+        _refuse_variation(variation)
     for name, values in board.laws.items():
         for role, stated in by_role(mapping(f"law {name}", values)).items():
             if "method" not in stated:
@@ -256,6 +258,26 @@ def _refuse(board: Board, path: Path) -> None:
     alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
     if len(alike) > 1:
         raise ParameterError(f"closed has laws that differ in one of {', '.join(_ALIKE)}, allowed are equal ones")
+
+
+def _refuse_variation(variation: Variation) -> None:
+    bounds, who = [*variation.factor, *variation.value, *variation.count], f"variation of {variation.parameter}"
+    if bounds if variation.choice else not _rise(bounds):
+        raise ParameterError(
+            f"{who} has the bounds {bounds}, allowed are two that rise, of one of factor, value, count, or a choice"
+        )
+    if variation.parameter == MOTOR_FAULT:
+        shares, begin = variation.value, variation.begin
+        if not (_rise(shares) and shares[0] >= 0.0 and shares[1] <= 1.0 and _rise(begin) and begin[0] >= 0.0):
+            raise ParameterError(f"{who} needs value and begin, allowed are two shares within 0 to 1 and two times")
+        if not 0.0 <= variation.probability <= 1.0:
+            raise ParameterError(f"{who} has the probability {variation.probability}, allowed is 0 to 1")
+    elif variation.begin or variation.probability != 1.0:
+        raise ParameterError(f"{who} has begin or probability, allowed for {MOTOR_FAULT} alone")
+
+
+def _rise(bounds: Sequence[float]) -> bool:
+    return len(bounds) == 2 and bounds[0] <= bounds[1]
 
 
 def _refuse_search(name: str, manoeuvre: Manoeuvre) -> None:
