@@ -1,14 +1,16 @@
-"""Compile what every run needs, while the workspace is built: its imports to bytecode, what steps its nodes by numba.
+"""Compile what a run needs while the workspace is set up: `code [WORDS]` by numba, `imports` to bytecode.
 
-What one scenario alone needs, such as its laws, its first run compiles.
+Code is that of the run that WORDS, behind scripts/run.sh, ask for; without a scenario it is what steps the nodes of
+every run. It needs the packages that prepare.sh installs first. The methods of other packages are not known yet: what
+is missing here, the run compiles.
 """
 
+import os
+import sys
+from collections.abc import Sequence
 from importlib import import_module
+from pathlib import Path
 from pkgutil import iter_modules
-
-import ev_control.methods
-import ev_sim.methods
-from ev_sim.running.beforehand import compile_units, stepping
 
 IMPORTED = (
     "matplotlib.backends.backend_agg",
@@ -21,10 +23,32 @@ IMPORTED = (
     "ev_sim.study.run_study",
 )
 
-if __name__ == "__main__":
-    for name in IMPORTED:
-        import_module(name)
+
+def compile_code(words: Sequence[str]) -> None:
+    """Compile for a run; for words that are none, which the run refuses, what steps nodes."""
+    import ev_control.methods
+    import ev_sim.methods
+    from ev_core.parameters.data_file import VARIABLE
+    from ev_sim.command_line.options import arguments, overrides, own_nodes
+    from ev_sim.running.beforehand import compile_for, compile_units, stepping
+    from ev_sim.scenarios.scenario import load_scenario
+
+    os.environ.setdefault(VARIABLE, str(Path(__file__).resolve().parents[1] / "config"))
     for package in (ev_control.methods, ev_sim.methods):
         for module in iter_modules(package.__path__, f"{package.__name__}."):
             import_module(module.name)
-    compile_units((*stepping(in_nodes=True), *stepping(in_nodes=False)))
+    try:
+        given = arguments(words)
+        runs = load_scenario(given.scenario, overrides(given), given.run).runs
+    except (Exception, SystemExit):
+        compile_units(stepping(in_nodes=True))
+    else:
+        compile_for(runs, not given.offline, own_nodes(given))
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "code":
+        compile_code(sys.argv[2:])
+    else:
+        for name in IMPORTED:
+            import_module(name)

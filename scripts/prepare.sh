@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Make .venv and build the workspace, each only where it is missing or out of date.
 #
-# Called by setup.sh. Two calls at once wait for each other; a failed or interrupted call leaves
-# nothing that a later one would take for finished. Details of each step are in log/prepare.log.
+# Called by setup.sh, with the words behind scripts/run.sh if that is the command. Two calls at once wait for each other;
+# a failed or interrupted call leaves nothing that a later one would take for finished. Details of each step are in
+# log/prepare.log.
 set -euo pipefail
 
 root="$(readlink -f "${BASH_SOURCE[0]}")" && root="${root%/*/*}"
@@ -14,6 +15,7 @@ fi
 unset CDPATH # by which `cd` would lead elsewhere
 export LC_ALL=C PIP_DISABLE_PIP_VERSION_CHECK=1
 exec {terminal}>&2 # past the log of a step
+to_run=("$@")
 
 # A ROS 2 distribution that is sourced goes before the wheels of requirements.lock.
 distribution=""
@@ -66,6 +68,22 @@ step() {
     printf 'done in %d s\n' $((SECONDS - start)) >&2
 }
 
+ahead=()     # processes that compile meanwhile; they ignore Ctrl-C
+half_made="" # a folder that is of no use as it is
+
+tidy_up() {
+    end_ahead
+    [[ -z "$half_made" ]] || rm -rf "$half_made"
+}
+
+end_ahead() {
+    [[ "${#ahead[@]}" -gt 0 ]] || return 0
+    kill "${ahead[@]}" 2>/dev/null || true
+    wait "${ahead[@]}" 2>/dev/null || true
+    ahead=()
+}
+trap tidy_up EXIT
+
 check_python() {
     local python="$1"
     if ! "$python" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))'; then
@@ -101,11 +119,16 @@ install_beside_distribution() {
     pip_install --requirement .venv/missing.txt --constraint .venv/constraints.txt
 }
 
+# The lines of the lock for the packages that an expression of awk matches.
+locked() {
+    awk "/^[^ #]/ { named = $1 } named" requirements.lock
+}
+
 # uv: the one on the PATH, else the one that the lock names, down to its hash; none where it cannot be had.
 find_uv() {
     uv="$(type -P uv || true)"
     [[ -z "$uv" ]] || return 0
-    awk '/^[^ #]/ { named = /^uv==/ } named' requirements.lock >.venv/uv.txt
+    locked '/^uv==/' >.venv/uv.txt
     pip_install --no-deps --require-hashes --requirement .venv/uv.txt || return 0
     uv=.venv/bin/uv
 }
@@ -123,17 +146,21 @@ uv_install() (
 )
 
 # Exactly the files that the lock names, down to their hashes; it has all that is needed (scripts/lock-overrides.txt).
+# What compiling needs comes first: a core is idle while the rest is fetched.
 install_locked() {
-    awk '/^[^ #]/ { named = !/^uv==/ } named' requirements.lock >.venv/locked.txt
-    local words=(--no-deps --require-hashes --requirement .venv/locked.txt) trouble="cannot be had"
+    locked '!/^uv==/' >.venv/locked.txt
+    locked '/^(llvmlite|numba|numpy|pyyaml|ros-.*|tqdm|typing-extensions)==/' >.venv/first.txt
+    local words=(--no-deps --require-hashes --requirement) trouble="cannot be had"
     .venv/bin/python -m pip config list >.venv/pip.txt &
     find_uv
     if wait $! && [[ -n "$uv" ]]; then
-        uv_install "${words[@]}" && return
+        uv_install "${words[@]}" .venv/first.txt && compile_ahead code "${to_run[@]}" &&
+            uv_install "${words[@]}" .venv/locked.txt && return
+        end_ahead
         trouble="fails"
     fi
     printf 'uv %s: pip installs, which takes longer ... ' "$trouble" >&"$terminal"
-    pip_install "${words[@]}"
+    pip_install "${words[@]}" .venv/locked.txt
 }
 
 update_environment() {
@@ -149,7 +176,7 @@ update_environment() {
 make_environment() {
     local python="${PYTHON:-python3}"
     rm -rf .venv
-    trap 'rm -rf "$root/.venv"' EXIT
+    half_made="$root/.venv"
     if [[ -n "$distribution" ]]; then
         check_python "$python"
         step "making .venv beside ROS 2 $distribution" "$python" -m venv --system-site-packages .venv
@@ -160,7 +187,7 @@ make_environment() {
         step "installing ROS 2 and the tools of requirements.lock (once)" install_locked
     fi
     environment_fingerprint >.venv/.complete
-    trap - EXIT
+    half_made=""
 }
 
 # What install/local_setup.bash works out anew, in half a tenth of a second, each time that it is sourced.
@@ -179,17 +206,21 @@ record_paths() {
     printf '%s\n' "$root"/build/{ev_msgs_py,ev_core,ev_control,ev_sim,ev_papers} >"$(packages_folder)/ev_stack.pth"
 }
 
-# colcon builds one package after the other: what every run needs is compiled meanwhile, on a core that is idle.
-build() {
+compile_ahead() {
     local sources
     sources="$(printf '%s:' "$root"/src/*)"
     env -u PYTHONDONTWRITEBYTECODE PYTHONPATH="${sources%:}${PYTHONPATH:+:$PYTHONPATH}" \
-        .venv/bin/python scripts/compile_ahead.py >log/compile_ahead.log 2>&1 {lock}<&- &
-    # shellcheck disable=SC2064
-    trap "kill $! 2>/dev/null" EXIT # it ignores Ctrl-C
+        .venv/bin/python scripts/compile_ahead.py "$@" >>log/compile_ahead.log 2>&1 {lock}<&- &
+    ahead+=($!)
+}
+
+# colcon builds one package after the other: what runs need is compiled meanwhile.
+build() {
+    [[ "${#ahead[@]}" -gt 0 ]] || compile_ahead code "${to_run[@]}"
+    compile_ahead imports
     .venv/bin/python -m colcon build --symlink-install --base-paths src || return
-    wait $! || true # what cannot be compiled says so when it is used
-    trap - EXIT
+    wait "${ahead[@]}" || true # what cannot be compiled says so when it is used
+    ahead=()
 }
 
 build_workspace() {
@@ -222,6 +253,7 @@ fi
 exec {lock}<"$root/scripts"
 flock --nonblock "$lock" || { echo "waiting for another set-up to finish ..." >&2 && flock "$lock"; }
 mkdir -p log
+rm -f log/compile_ahead.log
 if ! is_environment_ready; then
     if can_be_updated; then
         update_environment

@@ -5,6 +5,8 @@ trap 'echo stopped >&2; exit 130' INT TERM
 here="${BASH_SOURCE[0]}"
 [[ ! -L "$here" ]] || here="$(readlink -f "$here")"
 [[ "$here" == */* ]] || here="./$here"
+# shellcheck disable=SC2034 # set-up compiles what this run needs
+ev_stack_run=("$@")
 # Without another process in it: Ctrl-C would leave this command without a path, before the trap has its turn.
 # shellcheck source=scripts/setup.sh
 source "${here%/*}/setup.sh"

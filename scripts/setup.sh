@@ -26,7 +26,7 @@ if [[ -n "${_ROS_WHEELS_BOOTSTRAP_COMPLETE:-}" ]]; then
     LD_LIBRARY_PATH="$(tr ':' '\n' <<<"${LD_LIBRARY_PATH:-}" | sed '/\/ros_[^/]*\.libs$/d' | paste -sd ':')"
 fi
 
-"$EV_STACK_ROOT/scripts/prepare.sh" || return
+"$EV_STACK_ROOT/scripts/prepare.sh" "${ev_stack_run[@]}" || return
 
 if [[ ":$PATH:" != *":$EV_STACK_ROOT/.venv/bin:"* ]]; then
     PATH="$EV_STACK_ROOT/.venv/bin:$PATH"

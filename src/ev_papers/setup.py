@@ -9,7 +9,7 @@ PACKAGE = ElementTree.parse("package.xml").getroot()
 VERSION = PACKAGE.findtext("version")
 
 HERE = Path(__file__).parent
-SOURCES = ("shchur2019", "ge_ni2005", "tatar_chudzik", "dissertation", "zhileykin2018")
+SOURCES = ("shchur2019", "ge_ni2005", "tatar_chudzik", "dissertation", "zhileykin2018", "outside_checks")
 REPORTS = [
     "shchur2019 = ev_papers.shchur2019.source",
     "shchur2019_steps = ev_papers.shchur2019.report_steps",
@@ -28,6 +28,8 @@ STUDIES = [
     "five_methods = ev_papers.dissertation.studies.five_methods",
     "ge_ni2005_periods = ev_papers.ge_ni2005.periods",
     "ge_ni2005_wheel_speeds = ev_papers.ge_ni2005.wheel_speeds",
+    "outside_friction = ev_papers.outside_checks.friction",
+    "outside_laws = ev_papers.outside_checks.laws",
     "shchur2019_course = ev_papers.shchur2019.course",
     "urban_sensitivity = ev_papers.dissertation.studies.urban_sensitivity",
     "zhileykin2018_steering = ev_papers.zhileykin2018.steering",

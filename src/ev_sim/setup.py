@@ -22,6 +22,7 @@ MANOEUVRES = (
     "coast_down",
     "double_lane_change",
     "hill_start",
+    "lap",
     "launch_split_mu",
     "sine_with_dwell",
     "steady_circle",

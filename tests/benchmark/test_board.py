@@ -67,8 +67,8 @@ def test_the_reference_costs_one_and_the_control_lowers_the_energy_of_a_step(res
     assert not result.unstable.any()
     assert [row[0] for row in score_rows(result, LAWS)] == ["equal_torque", "pi"]
     assert closed_division(result) == []
-    ((law, handling, energy, wins, breaks),) = law_rows(result)
-    assert (law, wins) == ("pi", "nowhere")
+    ((law, handling, energy, step, wins, breaks),) = law_rows(result)
+    assert (law, step, wins) == ("pi", "-", "nowhere")
     assert (handling.split()[0], energy.split()[0]) == ("0", "100")
     assert breaks.startswith("layout_1_8_c:all:step_steer:wet: ")
 
@@ -93,16 +93,23 @@ def test_the_command_of_a_run_drives_it_again(result: BoardResult):
 
 
 def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
-    main(["benchmark", "--cells", STEP, "--laws", "pi", "--draws", "1", "--out", str(tmp_path)])
+    words = ["benchmark", "--cells", STEP, "--laws", "pi", "--draws", "1", "--out", str(tmp_path)]
+    main(words)
     board, runs = (json.loads((tmp_path / f"{name}.json").read_text()) for name in ("board", "runs"))
     assert [each["law"] for each in runs["runs"]] == LAWS
     assert len(board["profiles"]["pi"]["energy"]["low"]) == len(board["profiles"]["cost"])
     assert board["probability_of_improvement"]["pi"]["equal_torque"]["energy"]["value"] == 1.0
+    assert 0 < board["step_time_ns"]["equal_torque"] < board["step_time_ns"]["pi"]  # a tenth
     assert (tmp_path / "board.png").stat().st_size > 10_000
     assert set(board["scores"]["pi"]) == {"handling", "worst tenth", "energy", "unstable"}
     printed = capsys.readouterr().out
     assert f"hash of all runs {board['hash']}" in printed
     assert f"scripts/run.sh benchmark small --draws 1 --cells '{STEP}:v1' --drive equal_torque:0" in printed
+    assert "driven before" not in printed
+    main([*words, "--no-report"])
+    printed = capsys.readouterr().out
+    assert f"hash of all runs {board['hash']}" in printed
+    assert ", 2 of them driven before" in printed
 
 
 @pytest.mark.parametrize("way", ["--offline", "--in-process"])
@@ -155,6 +162,7 @@ def test_what_cannot_be_driven_alone_is_one_line(words: list[str], line: str):
         ("peak_slip: 0.02", "peak_slip: 0", "scales lacks a number above 0 for peak_slip of launch"),
         ("factor: [1.0, 1.2]", "factor: [1.2, 1.0]", "variation of *.vehicle.mass has the bounds [1.2, 1.0]"),
         ("{method: load_proportional}", "{}", "law load_proportional lacks method"),
+        ("{method: load_proportional}", "{method: open, asr.backstop: 1}", "law load_proportional lacks asr.method"),
         ("closed: [pi,", "closed: [pi_neutral,", "closed has laws that differ in one of method, reference,"),
     ],
 )

@@ -40,7 +40,7 @@ def driven(board: Board, pattern: str) -> Recording:
 
 def test_every_cell_has_a_graph_and_draws(board: Board):
     cells = board.cells("*:handling:*")
-    assert len(cells) == 3 * 30
+    assert len(cells) == 3 * 33
     for cell in cells[::7]:  # names and values do not depend on the car and the road alone
         assert drawn(board, cell, run_of(board, cell, values_of(board, cell)).configurations).values
 
@@ -65,6 +65,16 @@ def test_a_car_that_is_clean_at_no_speed_counts_as_unstable(board: Board):
     hard = replace(board, draws=1, manoeuvres={**board.manoeuvres, "double_lane_change": lanes})
     (cell,) = hard.cells(f"{CAR}:double_lane_change:wet:handling:*")
     assert drive_cell(hard, cell, ["equal_torque"]).clean["equal_torque"].tolist() == [False]
+
+
+def test_a_lap_is_driven_with_its_highest_clean_scale(board: Board):
+    """Faster than the lowest one, and in less time than it: 863 m at 0.5 take more than 80 s."""
+    quick = replace(board.manoeuvres["lap"], halvings=2)
+    few = replace(board, draws=1, manoeuvres={**board.manoeuvres, "lap": quick})
+    (cell,) = few.cells(f"{CAR}:lap:dry:handling:*")
+    found = drive_cell(few, cell, ["equal_torque"])
+    assert found.clean["equal_torque"].all()
+    assert 45.0 < found.metrics["equal_torque"]["lap_time"][0] < 75.0
 
 
 def test_the_step_is_that_of_the_very_car(board: Board):

@@ -15,7 +15,8 @@ from pathlib import Path
 import pytest
 import uv_as_pip
 
-from ev_sim.running.beforehand import compile_units, stepping
+from ev_sim.running.beforehand import compile_for
+from ev_sim.scenarios.scenario import load_scenario
 
 ROOT = Path(__file__).parents[2]
 
@@ -167,13 +168,13 @@ def test_another_file_than_the_lock_names_is_refused_and_nothing_is_left_behind(
 def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
     """In the middle of building, by Ctrl-C and without a last word; what was installed is not installed again.
 
-    What compiles meanwhile ends with it.
+    What compiles meanwhile ends with it, code and imports.
     """
     ahead = checkout.root / "scripts" / "compile_ahead.py"
     ahead.write_text("import os, time\nprint(os.getpid(), flush=True)\ntime.sleep(600)\n")
     process = checkout.start(BUILD_TIME="600")
     log = checkout.root / "log" / "compile_ahead.log"
-    while not ((checkout.root / "building").exists() and log.read_text()):
+    while not ((checkout.root / "building").exists() and log.read_text().count("\n") == 2):
         assert process.poll() is None
         time.sleep(0.05)
     os.killpg(process.pid, kind)
@@ -181,7 +182,7 @@ def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
     assert process.returncode != 0
     assert not (checkout.root / "install" / ".complete").exists()
     deadline = time.monotonic() + 30
-    while Path("/proc", log.read_text().strip()).exists():
+    while any(Path("/proc", number).exists() for number in log.read_text().split()):
         assert time.monotonic() < deadline
         time.sleep(0.05)
     ahead.unlink()
@@ -230,12 +231,13 @@ def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, che
     assert checkout.is_complete
 
 
-def test_what_is_compiled_ahead_is_what_runs_look_for():
+@pytest.mark.parametrize("words", [["shchur2019", "--set", "driver.wrong=1"], ["shchur2019"]], ids=["none", "run"])
+def test_what_is_compiled_ahead_is_what_runs_look_for(words):
     """From the sources, before they are installed: the same names of files, so that nothing is compiled twice."""
-    compile_units((*stepping(in_nodes=True), *stepping(in_nodes=False)))
+    compile_for(load_scenario("shchur2019").runs, in_nodes=True)
     path = os.pathsep.join(str(each) for each in (ROOT / "src").iterdir())
-    words = [sys.executable, ROOT / "scripts" / "compile_ahead.py"]
-    done = subprocess.run(words, env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True, check=True)
+    command = [sys.executable, ROOT / "scripts" / "compile_ahead.py", "code", *words]
+    done = subprocess.run(command, env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True, check=True)
     assert done.stdout + done.stderr == ""
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,7 @@ import pytest
 
 import ev_sim
 from ev_sim.command_line.options import arguments
+from ev_sim.commands import run_scenario
 from ev_sim.commands.run_scenario import REVIEWS
 from ev_sim.measured.records.mapping import read_record
 from ev_sim.scenarios.scenario import Overrides, load_scenario
@@ -90,8 +93,16 @@ def test_the_scenario_of_the_page_changes_the_lane_and_finds_its_car_beside_it(t
     assert axes.get_title(loc="left").startswith("Single lane change")
 
 
+README = (ROOT / "README.md").read_text()
+DOORS = dict(re.findall(r"^\| ([^|]+?) \| (.*`.*) \|$", README.partition("doors\n")[2], re.MULTILINE))
+
+
 @pytest.mark.parametrize(
-    "line", [line for _, text in snippets("bash") for line in text.replace("\\\n", " ").splitlines()]
+    "line",
+    [
+        *(line for _, text in snippets("bash") for line in text.replace("\\\n", " ").splitlines()),
+        *(word for door in DOORS.values() for word in re.findall(r"`([^`]*)`", door) if word.startswith("scripts/")),
+    ],
 )
 def test_commands_that_pages_show_are_understood(line):
     """Scripts and examples are there, and the command line of a run or a study has the options."""
@@ -102,3 +113,15 @@ def test_commands_that_pages_show_are_understood(line):
     if words[:1] == ["scripts/run.sh"] and len(words) > 1 and words[1] not in REVIEWS:
         given = arguments_of_study(words[1], words[2:]) if words[1] in study_names() else arguments(words[1:])
         assert given
+
+
+def test_the_door_to_change_something_opens(tmp_path, monkeypatch, capsys):
+    """The copy of the car is made where the repository's folders are, and the run says that it has it and the law."""
+    copied, driven = (shlex.split(command) for command in re.findall(r"`([^`]*)`", DOORS["change"]))
+    (tmp_path / "config").symlink_to(ROOT / "config")
+    monkeypatch.chdir(tmp_path)
+    subprocess.run(copied, check=True)
+    run_scenario.main([*driven[1:], "--duration", "0.1", "--no-report", "--out", "here"])
+    assert "signal hash" in capsys.readouterr().out
+    said = json.loads(Path("here/summary.json").read_text())
+    assert "my_car.yaml" in said["command"] and "direct_yaw_moment" in (tmp_path / "here/parameters.yaml").read_text()

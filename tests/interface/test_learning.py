@@ -19,6 +19,7 @@ import ev_sim.learning
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError
+from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.interface.simulation import Simulation
 from ev_sim.learning.environment import ACTIONS, Environment
 from ev_sim.learning.limits import limits
@@ -189,3 +190,15 @@ def test_the_example_runs(capsys):
     runpy.run_path(str(EXAMPLE))
     lines = capsys.readouterr().out.splitlines()
     assert [line.partition(",")[0] for line in lines] == ["seed 1: 2.01 s", "seed 2: 2.01 s"]
+
+
+def test_a_policy_is_learned_here_and_driven_on_the_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
+    """One generation of short episodes; the law with its weights keeps the contract, and is ranked."""
+    weights, folder = tmp_path / "weights.yaml", EXAMPLE.parent / "learned"
+    monkeypatch.syspath_prepend(str(folder))
+    monkeypatch.setattr(sys, "argv", ["train.py", str(weights), "--generations", "1", "--duration", "0.1"])
+    runpy.run_path(str(folder / "train.py"), run_name="__main__")
+    assert "generation 1: least mean loss" in capsys.readouterr().out
+    words = ["--laws", "equal_torque", "--cells", "layout_1_8_c:all:step_steer:wet:*", "--draws", "1", "--no-report"]
+    run_benchmark(["--add", f"{folder / 'policy.py'}={weights}", *words, "--out", str(tmp_path / "out")])
+    assert "## weights" in (tmp_path / "out" / "laws.md").read_text()

@@ -31,6 +31,13 @@ const sightOf = (channel) => { holderOf(channel).holder.scrollIntoView({ block: 
 const shown = (channel) => holderOf(channel).chart;
 const legendOf = (channel) => [...shown(channel).root.querySelectorAll(".u-value")].map((cell) => cell.textContent);
 """
+WIDER_BY_LONG_NAMES = """(() => {
+  const added = [...document.querySelectorAll("h1, h2, h3, h4, p, dd, summary, figcaption")].map(
+    (each) => each.appendChild(new Text("parameters_of_a_run_whose_name_is_longer_than_a_phone_is_wide")));
+  const { scrollWidth, clientWidth } = document.documentElement;
+  for (const each of added) each.remove();
+  return scrollWidth - clientWidth;
+})()"""
 CHANNELS = 20  # of the page that is printed: more than are in sight
 BLUE = rb"\b0 \.447\d* \.698\d* RG"  # the first stroke of plots.js, #0072B2, in a PDF
 TORQUE, YAW_RATE, WHEEL = "driver.command.drive_torque", "imu.yaw_rate", "wheel_states.velocity.front_left"
@@ -236,6 +243,7 @@ def test_every_table_fits_its_screen(browser: Browser, width: int):
         "[...document.querySelectorAll('main *')].filter((each) => each.getBoundingClientRect().right > innerWidth)"
         ".map((each) => each.outerHTML.slice(0, 100)).slice(0, 20)"
     )
+    assert browser.run(WIDER_BY_LONG_NAMES) == 0
     if width == 1280:
         wide = f"[...document.querySelectorAll('.scroll')].filter({over}).map((each) => each.outerHTML.slice(0, 200))"
         assert browser.run(wide) == []

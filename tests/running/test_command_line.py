@@ -251,6 +251,25 @@ def test_an_error_that_ctrl_c_has_made_is_one_line_and_any_other_is_told(
     assert capsys.readouterr().err == ("stopped\n" if interrupted else "")
 
 
+@pytest.mark.parametrize(
+    ("error", "status", "said"), [(None, 0, ""), ("error: no nodes", 1, "error: no nodes\n"), (2, 2, "")]
+)
+def test_a_command_with_a_participant_ends_without_deleting_it(error, status, said, command, monkeypatch, capsys):
+    """Deleting one may wait for ever; status and line are as Python's own end gives them."""
+    monkeypatch.setattr(stop_request, "KEPT", kept := ["a participant"])
+    monkeypatch.setattr(ev_stack, "KEPT", kept)
+
+    def perform(*_: object) -> None:
+        if error is not None:
+            raise SystemExit(error)
+
+    monkeypatch.setattr(ev_stack, "import_module", lambda name: SimpleNamespace(main=perform))
+    with pytest.raises(SystemExit) as ended:
+        command()
+    assert ended.value.code == status
+    assert capsys.readouterr().err == said
+
+
 @pytest.mark.parametrize("wrapped", [False, True])
 def test_too_little_memory_is_one_line(wrapped, monkeypatch):
     """What a library could not be mapped for comes as an ImportError, within others that say many lines."""

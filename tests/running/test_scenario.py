@@ -272,6 +272,9 @@ def test_another_cycle_changes_what_is_driven_or_is_refused(name, tmp_path):
         other = ev_sim.run(name, cycle=cycle, **given)
     except ParameterError as error:
         said = "is refused: the driver goes by the pedals from the start on, allowed with driver.pedals.begin=false"
+        if name == "lap":
+            assert str(error) == "driver.speed_profile.file is refused: driver method lap follows no speed over time"
+            return
         assert str(error) == f"driver.speed_profile.file {said}"
         with pytest.raises(ParameterError, match=f"^driver.speed_profile.time {said}$"):
             ev_sim.run(name, set={"driver.speed_profile.time": [0.0, 1.0, 2.0, 3.0]}, **given)

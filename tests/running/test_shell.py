@@ -1,9 +1,11 @@
 """A running graph from a shell without the ros2 command: what there is, messages, parameters, time."""
 
+import io
 import os
 import re
 import signal
 import subprocess
+import sys
 from collections.abc import Iterator
 from importlib.metadata import version
 
@@ -12,6 +14,7 @@ import yaml
 from ros_graph import NAMESPACE, NODES
 from run_script import ENVIRONMENT, ROOT, Running
 
+from ev_core.nodes.stop_request import KEPT
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.commands import present_graph
@@ -84,17 +87,44 @@ class Shell:
 
 
 @pytest.fixture
-def shell(domain, monkeypatch, capsys) -> Shell:
+def shell(domain, monkeypatch, capsys) -> Iterator[Shell]:
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    return Shell(capsys)
+    yield Shell(capsys)
+    assert KEPT, "the participant would be deleted, which may wait for ever"
+    KEPT.clear()
 
 
-def test_time_is_stopped_and_stepped_from_a_shell(shell):
+def test_the_door_of_the_readme_to_a_running_graph_opens(shell):
+    """Its commands, as they stand there, for a run that is under way; what they have changed is set back."""
+    (door,) = (line for line in (ROOT / "README.md").read_text().splitlines() if line.startswith("| a running graph |"))
+    words = [each.split()[1:] for each in re.findall(r"`(ev-stack [^`]*)`", door)]
+    said = ["/ev/wheel_states", "name: [front_left, ", "electronic_differential.gamma: 5.0 -> ", "paused", "running"]
+    for command, expected in zip(words, said, strict=True):
+        assert expected in shell(*command)
+    shell("param", "set", "electronic_differential", "gamma", "5.0")
+
+
+class FirstLine(io.StringIO):
+    """Interrupts whoever has written a line to it."""
+
+    def write(self, text: str) -> int:
+        super().write(text)
+        if "\n" in text:
+            raise KeyboardInterrupt
+        return len(text)
+
+
+def test_time_is_stopped_and_stepped_from_a_shell(shell, monkeypatch):
     """A step of the graph is 10 ms; standing still, the plant repeats nothing and nobody else goes on."""
     assert re.fullmatch(r"paused at \S+ s\n", shell("pause"))
     before, _ = (float(re.search(r"at (\S+) s", shell(word))[1]) for word in ("pause", "pause"))
     assert "one more step granted" in shell("step", "3")
     assert float(re.search(r"at (\S+) s", shell("pause"))[1]) == pytest.approx(before + 0.03)
+    with monkeypatch.context() as patched:
+        patched.setattr(sys, "stderr", FirstLine())
+        patched.setattr("ev_sim.commands.shell._SILENCE", 0.2)
+        assert shell("topic", "echo", "wheel_states", "--once") == ""  # which waited without a word
+        assert "/ev/wheel_states: no message within 0.2 s; simulated time stands still" in sys.stderr.getvalue()
     assert shell("reset") == "time is zero again, at 0.0 s\n"
     assert shell("resume") == "running at 0.0 s\n"
     message = yaml.safe_load(shell("topic", "echo", "wheel_states", "--once"))

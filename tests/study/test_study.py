@@ -5,14 +5,13 @@ from __future__ import annotations
 import errno
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from schedulers import free_port, process, scheduler_with_two_workers, wait_for_listener
 
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
@@ -147,34 +146,6 @@ def is_running(pid: int) -> bool:
         return False
 
 
-@contextmanager
-def process(*words: str):
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path[1:]])}
-    started = subprocess.Popen(
-        [sys.executable, "-m", *words], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    try:
-        yield started
-    finally:
-        started.kill()
-        started.wait()
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-def wait_for_listener(port: int) -> None:
-    """A scheduler takes longer to start than what is waited for its workers here; the time limit of a test ends it."""
-    while True:
-        with socket.socket() as probe:
-            if probe.connect_ex(("127.0.0.1", port)) == 0:
-                return
-        time.sleep(0.05)
-
-
 @pytest.mark.weekly
 def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here, tmp_path, monkeypatch):
     """A real scheduler and two workers, all processes of their own; one worker is killed after the first result."""
@@ -186,14 +157,7 @@ def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here, tmp_path, 
         victim.wait()
         lost.touch()
 
-    address = f"tcp://127.0.0.1:{free_port()}"
-    host, port = address.removeprefix("tcp://").split(":")
-    worker = ("distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
-    with (
-        process("distributed.cli.dask_scheduler", "--host", host, "--port", port, "--no-dashboard"),
-        process(*worker),
-        process(*worker) as victim,
-    ):
+    with scheduler_with_two_workers() as (address, victim):
         results = drive_cases(CASES, last_speed_once_a_worker_is_lost, kill, scheduler=address)
         assert victim.wait() == -signal.SIGKILL
     assert signals(results) == driven_here

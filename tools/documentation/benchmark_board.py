@@ -1,10 +1,26 @@
-"""The board of docs/benchmark.md: scores of all laws, where each wins and breaks, and cells with how to repeat them."""
+"""The board of docs/benchmark.md: scores of all laws, where each wins and breaks, and cells with how to repeat them.
+
+Beside it a page of each law, and tuned laws beside their untuned selves on held-out cases.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
 from documentation.markdown import code, table
-from ev_sim.benchmark.board import read_board
+from ev_core.parameters.data_file import find_in_config
+from ev_core.parameters.declaration import flatten
+from ev_sim.benchmark.added import with_added
+from ev_sim.benchmark.board import Board, read_board
+from ev_sim.benchmark.driving import law_of, run_of, values_of
+from ev_sim.benchmark.held_out import held_out
+from ev_sim.benchmark.law_pages import law_page
 from ev_sim.benchmark.result import BoardResult
+from ev_sim.benchmark.scores import difference, interquartile_mean, tail_mean
 from ev_sim.benchmark.tables import (
     CELL_COLUMNS,
     LAW_COLUMNS,
@@ -17,9 +33,12 @@ from ev_sim.benchmark.tables import (
 from ev_sim.commands.benchmark import drive_board
 
 PAGE = "docs/benchmark.md"
-PARTS = ("closed", "open", "laws", "cells")
+TUNED = "tuned"
+PARTS = (TUNED, "closed", "open", "laws", "cells")
+LAWS_PAGE, LAW_PAGES = "docs/benchmark_laws.md", "law pages"
 NAME = "small"
 IMAGE = "benchmark_board"
+HELD_OUT, HELD_OUT_DRAWS = 0, 5  # a seed that was drawn after the laws had been tuned
 
 
 def board_tables(result: BoardResult) -> dict[str, str]:
@@ -43,3 +62,61 @@ def cell_table(result: BoardResult) -> str:
 def drive_small(pattern: str = "*") -> BoardResult:
     """The cells of the small board that fit."""
     return drive_board(read_board(NAME), pattern)
+
+
+def law_pages(result: BoardResult) -> str:
+    """A section for each law but the reference, with its tuned numbers beside the present ones."""
+    base = result.board
+    cell = base.cells()[0]
+    run, texts = run_of(base, cell, values_of(base, cell)), []
+    for law in result.laws:
+        if law == base.reference:
+            continue
+        texts.append(law_page(result, law))
+        if law in _tuned_files():
+            tuned, (name,) = with_added(base, [f"{law}={_tuned_files()[law]}"])
+            before = {n: v for of in law_of(base, law, run).values() for n, v in flatten(of.parameters).items()}
+            rows = [
+                [code(n), f"{before[n]:.4g}", f"{value:.4g}"]
+                for n, value in tuned.laws[name].items()
+                if base.laws[law].get(n) != value
+            ]
+            texts.append(table(("tuned number", "printed", "tuned"), rows))
+    return "\n".join(texts)
+
+
+def _tuned_files() -> dict[str, Path]:
+    """By law the file of its tuned parameters."""
+    folder = find_in_config("benchmarks/tuned")
+    files = sorted(folder.glob("*_tuned.yaml")) if folder else []
+    return {path.stem.removesuffix("_tuned"): path for path in files}
+
+
+def held_out_table() -> str:
+    """Tuned laws beside their untuned selves, on cases that nobody has tuned for."""
+    board: Board = replace(held_out(read_board(NAME), HELD_OUT), draws=HELD_OUT_DRAWS)
+    board, tuned = with_added(board, [f"{law}={path}" for law, path in _tuned_files().items()])
+    untuned = list(_tuned_files())
+    result = drive_board(board, laws=[board.reference, *untuned, *tuned])
+    rows = []
+    for law, name in zip(untuned, tuned, strict=True):
+        old, new = (result.laws.index(each) for each in (law, name))
+        counted: list[tuple[str, Callable[[np.ndarray], np.ndarray]]] = [
+            ("handling", interquartile_mean), ("handling", tail_mean), ("energy", interquartile_mean)
+        ]  # fmt: skip
+        cells = []
+        for cost, statistic in counted:
+            of = result.costs[cost]
+            less, low, high = difference(of[new], of[old], statistic, board.seed)
+            sign = "better" if high < 0.0 else "worse" if low > 0.0 else "tied"
+            before, after = (float(statistic(of[i].ravel())) for i in (old, new))
+            cells += [f"{before:.3f}", f"{after:.3f}", f"{less:+.3f} [{low:+.3f}, {high:+.3f}] {sign}"]
+        unstable = [f"{100.0 * result.unstable[i].mean():.1f}" for i in (old, new)]
+        rows.append([code(law), *cells, *unstable])
+    columns = ["law"]
+    for of in ("handling", "worst tenth", "energy"):
+        columns += [of, "tuned", "difference"]
+    driven = (
+        f"{len(result.cells)} held-out cells of seed {HELD_OUT}, {board.draws} draws, hash of all runs `{result.hash}`."
+    )
+    return f"{table([*columns, 'unstable [%]', 'tuned'], rows)}\n{driven}\n"

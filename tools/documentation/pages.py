@@ -69,6 +69,7 @@ PAGES = {
     SHCHUR: (RESULTS, CONTROL_PERIODS),
     verdict_tables.PAGE: verdict_tables.PARTS,  # made from runs, too
     benchmark_board.PAGE: benchmark_board.PARTS,  # the same
+    benchmark_board.LAWS_PAGE: (benchmark_board.LAW_PAGES,),
     **{name: (RESULTS, *page.studies, *page.tables) for name, page in SCENARIO_PAGES.items()},
     **{name: (*studies, *STUDY_TABLES.get(name, {})) for name, studies in STUDY_PAGES.items()},
 }

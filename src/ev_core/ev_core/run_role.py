@@ -24,7 +24,7 @@ from ev_core.nodes import ros_parameters
 from ev_core.nodes.master.node import MasterNode
 from ev_core.nodes.spinning import spin
 from ev_core.nodes.stepped_node import SteppedNode
-from ev_core.nodes.stop_request import StopRequest, turn_deaf
+from ev_core.nodes.stop_request import KEPT, StopRequest, end, turn_deaf
 from ev_core.nodes.time_of_day import refuse_late_time_of_day, too_late
 from ev_core.parameters.data_file import entry_points
 from ev_msgs_py.contract.roles import MASTER
@@ -147,9 +147,7 @@ def leave(node: Any, trouble: str) -> NoReturn:
     for the lock, the process is locked up for ever (https://github.com/eProsima/Fast-DDS/issues/6502). Others miss the
     rest when its lease is over, after 4 s. Any other node removes all that it has.
 
-    The participant of the process is never deleted: where others leave in the same moment, Fast DDS waits for its own
-    callback in a loop which keeps that callback from ending (https://github.com/eProsima/Fast-DDS/issues/6513). It goes
-    with the last node, so another one, under a hidden name, is there when the node goes.
+    The participant of the process is never deleted (`leave_graph`).
     """
     turn_deaf()
     if node is not None:
@@ -157,13 +155,19 @@ def leave(node: Any, trouble: str) -> NoReturn:
             for subscription in list(node.subscriptions):
                 node.destroy_subscription(subscription)
         elif node.context.ok():
-            _stays = hidden_node(node.get_name(), node.context)  # as long as this frame, which is not left any more
-            node.destroy_node()
-    if trouble:
-        print(trouble, file=sys.stderr)
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(1 if trouble else 0)
+            leave_graph(node)
+    end(trouble)
+
+
+def leave_graph(node: Node) -> None:
+    """Remove a node from the graph, and keep the participant of the process, which has to end without Python's own end.
+
+    Where others leave in the moment in which a participant is deleted, Fast DDS waits for its own callback in a loop
+    which keeps that callback from ending (https://github.com/eProsima/Fast-DDS/issues/6513). The participant goes with
+    the last node, so another one, under a hidden name, is there when the node goes.
+    """
+    KEPT[:] = [hidden_node(node.get_name(), node.context)]
+    node.destroy_node()
 
 
 def one_line(error: Exception) -> str:

@@ -68,15 +68,25 @@ def _name(method: Method) -> str:
 
 
 class CompiledPart:
-    """Plays a role by the compiled form of its law; the state is a row of numbers, advanced in place."""
+    """Plays a role by the compiled form of its law; the state is a row of numbers, advanced in place.
+
+    One `like` another, with other numbers, has its function, which is not looked for again.
+    """
 
     error: BaseException | None = None
+    function: int
 
-    def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
+    def __init__(
+        self, method: Method, parameters: Any, vehicle: Any, period: float, like: CompiledPart | None = None
+    ) -> None:
         self.given = Given(law_of(method), parameters, vehicle, period)
 
         with in_one_line(method, parameters, vehicle, period) as look_at:
-            self.function = function_address(*code_of(method, self.given), look_at)
+            self._code = code_of(method, self.given)
+            if like is not None and like._code.names is self._code.names:
+                self.function = like.function
+            else:
+                self.function = function_address(*self._code, look_at)
         self.constants = constants_row(self.given.trees, self.given.values["c"], period)
         self._state = np.array(numbers(self.given.values["s"]) or [0.0])
         notes = law_of(method).notes

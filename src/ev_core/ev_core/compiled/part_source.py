@@ -26,7 +26,7 @@ import numpy as np
 
 from ev_core.methods.law import Given, Law, given_names
 from ev_core.methods.register import Method
-from ev_core.parameters.record import numbers, record_type
+from ev_core.parameters.record import numbers, record_type, shape_of_record
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import shape_of
@@ -142,8 +142,26 @@ def law_of(method: Method) -> Law:
     return method.law
 
 
+_sources: dict[Any, tuple[str, dict[str, Any]]] = {}
+
+
 def part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
-    """The text, and the names that it uses."""
+    """The text, and the names that it uses; the same objects for all that is laid out alike, as the runs of a batch."""
+    law, shapes = law_of(method), [shape_of_record(each) for each in (*given.trees.values(), given.values["s"])]
+    functions = law.function, law.outputs
+    key = (method.role, method.name, method.reads, method.writes, *functions, *shapes, _shape_of(given.values["c"]))
+    if key not in _sources:
+        _sources[key] = _part_source(method, given)
+    return _sources[key]
+
+
+def _shape_of(c: Any) -> Any:
+    if hasattr(c, "_fields"):
+        return type(c), *map(_shape_of, c)
+    return shape_of_record(c) if is_dataclass(c) else isinstance(c, tuple) or type(c)
+
+
+def _part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     law = law_of(method)
     layout = constants_type(given.trees, given.values["c"])
     unpacking = Unpacking(given.values["c"], layout.itemsize // 8)

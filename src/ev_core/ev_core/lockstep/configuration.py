@@ -89,7 +89,11 @@ class Configuration:
 
     def values(self) -> dict[str, Any]:
         """Dotted names and present values of every parameter of the node."""
-        return {entry.name: entry.default for entry in self.entries()}
+        parts = (self.common, self.extra, self.parameters, self.own_faults)
+        found = {_METHOD: self.method.name}
+        for part in parts:
+            found |= flatten(part) if part is not None else {}
+        return found | flatten(self.sensors, _SENSORS)
 
     def changed(self, values: Mapping[str, Any]) -> Configuration:
         """The same configuration with other values; ParameterError if one is refused, and nothing changes then."""

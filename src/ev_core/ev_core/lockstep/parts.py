@@ -191,8 +191,8 @@ def row_parts(configuration: Configuration) -> list[Any]:
     return []
 
 
-def method_part(configuration: Configuration, compiled: bool) -> Any:
-    """The part of the method alone, without sensors."""
+def method_part(configuration: Configuration, compiled: bool, like: Any = None) -> Any:
+    """The part of the method alone, without sensors; a compiled one may be `like` that of the same method."""
     method, common = configuration.method, configuration.common
     law = method.law
     if law is None or not law.is_compilable or not (compiled or law.heavy):
@@ -200,7 +200,7 @@ def method_part(configuration: Configuration, compiled: bool) -> Any:
         return kind(method, configuration.create())
     from ev_core.compiled.part import CompiledPart
 
-    return CompiledPart(method, configuration.given, common.vehicle, common.control_period)
+    return CompiledPart(method, configuration.given, common.vehicle, common.control_period, like)
 
 
 def hand_over(before: Part, after: Part) -> None:

@@ -55,6 +55,18 @@ def end_stopped(*_: object) -> NoReturn:
     os._exit(STOPPED)
 
 
+def end(code: int | str | None) -> NoReturn:
+    """End the process with this status or line, as `sys.exit` does, but without Python's own end."""
+    with suppress(OSError, ValueError):  # the reader of the output may be gone
+        if isinstance(code, str) and code:
+            print(code, file=sys.stderr, flush=True)
+        sys.stdout.flush()
+    os._exit(1 if isinstance(code, str) and code else int(code or 0))
+
+
+KEPT: list[object] = []  # what must not be destroyed: while something is here, a command leaves Python's own end out
+
+
 @contextmanager
 def loading() -> Iterator[None]:
     """In the block, which imports modules and has nothing to clean up, these signals end the process at once."""

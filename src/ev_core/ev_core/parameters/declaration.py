@@ -129,8 +129,16 @@ def _element_type(hint: Any) -> tuple[type, bool]:
 
 
 def flatten(instance: Any, prefix: str = "") -> dict[str, Any]:
-    """Dotted names and values of a parameter dataclass; the inverse of `build`."""
-    return {entry.name: entry.default for entry in entries(instance, prefix)}
+    """Dotted names and values of a parameter dataclass, as `entries` have them; the inverse of `build`."""
+    found: dict[str, Any] = {}
+    kind: type = type(instance)
+    for name, _ in _names_and_choices(kind):
+        value = getattr(instance, name)
+        if is_dataclass(value):
+            found |= flatten(value, f"{prefix}{name}.")
+        else:
+            found[prefix + name] = value
+    return found
 
 
 def number_tree(instance: Any) -> dict[str, Any]:

@@ -61,7 +61,35 @@ def each_wheel(of: type) -> Any:
 
 def record_type(values: Any) -> np.dtype:
     """The layout of a record, or of a tree of mappings, in compiled code: float64 in order of declaration."""
-    return np.dtype([(name, *_element(value)) for name, value in _items(values)])
+    return _type_of(shape_of_record(values))
+
+
+@cache
+def _type_of(shape: tuple[Any, ...]) -> np.dtype:
+    return np.dtype([(name, *_element_type(of)) for name, of in zip(*shape, strict=True)])
+
+
+def _element_type(shape: Any) -> tuple[Any, ...]:
+    if shape is None:
+        return (np.float64,)
+    if not isinstance(shape[0], int):
+        return (_type_of(shape),)
+    count, inner = shape
+    return np.float64 if inner is None else _type_of(inner), (count,)
+
+
+def shape_of_record(values: Any) -> tuple[Any, ...]:
+    """What the layout of a record follows from: names, and of each None for a number, a shape, or a count and one."""
+    items = _items(values)
+    return tuple([name for name, _ in items]), tuple([_shape(value) for _, value in items])
+
+
+def _shape(value: Any) -> Any:
+    if type(value) is float or _is_number(value):  # nearly all are the first
+        return None
+    if not isinstance(value, (list, tuple, np.ndarray, Sequence)):
+        return shape_of_record(value)
+    return len(value), None if not len(value) or _is_number(value[0]) else shape_of_record(value[0])
 
 
 def memory_type(of: type) -> np.dtype:
@@ -106,15 +134,6 @@ def _fields(values: Any) -> tuple[Any, ...]:
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float, np.number))
-
-
-def _element(value: Any) -> tuple[Any, ...]:
-    if _is_number(value):
-        return (np.float64,)
-    if not isinstance(value, (Sequence, np.ndarray)):
-        return (record_type(value),)
-    inner = np.float64 if not len(value) or _is_number(value[0]) else record_type(value[0])
-    return inner, (len(value),)
 
 
 def entries_without_number(record: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -170,16 +170,17 @@ def entries_by_name(of: type, prefix: str = "") -> Mapping[str, Entry]:
 
 
 def _replaced(instance: Any, checked: Mapping[str, Any], prefix: str) -> Any:
-    if not any(name.startswith(prefix) for name in checked):
-        return instance
-    changed = {}
-    for f in fields(instance):
-        name = prefix + f.name
-        if is_dataclass(getattr(instance, f.name)):
-            changed[f.name] = _replaced(getattr(instance, f.name), checked, f"{name}.")
-        elif name in checked:
-            changed[f.name] = checked[name]
+    changed: dict[str, Any] = {}
+    of_groups: dict[str, dict[str, Any]] = {}
+    for name, value in checked.items():
+        own, dot, _ = name[len(prefix) :].partition(".")
+        if dot:
+            of_groups.setdefault(own, {})[name] = value
+        else:
+            changed[own] = value
+    for group, values in of_groups.items():
+        changed[group] = _replaced(getattr(instance, group), values, f"{prefix}{group}.")
     try:
-        return dataclasses.replace(instance, **changed)
+        return dataclasses.replace(instance, **changed) if changed else instance
     except ParameterError as error:  # relations between parameters, checked in __post_init__
         raise ParameterError(f"{prefix}{error}" if prefix else str(error)) from None

@@ -7,9 +7,11 @@ code, where an integer has 64 bits and a sign, but both its words come out right
 
 import dataclasses
 import zlib
+from functools import cache
 from typing import Any, TypeVar
 
 from ev_core.elementary import log, sin_cos, sqrt
+from ev_core.parameters.values import entries_by_name
 from ev_msgs_py.compilable import compilable
 
 WORD = 0xFFFFFFFF
@@ -61,13 +63,21 @@ def seeded(parameters: P, seed: int, prefix: str = "") -> P:
     """
     changed: dict[str, Any] = {}
     of: Any = parameters
+    kind: type = type(parameters)
+    if seed == 0 or not _has_seeds(kind):
+        return parameters
     for field in dataclasses.fields(of):
         value, name = getattr(of, field.name), prefix + field.name
         if dataclasses.is_dataclass(value):
             made = seeded(value, seed, f"{name}.")
             if made is not value:
                 changed[field.name] = made
-        elif field.name == _OWN and seed != 0 and getattr(of, "is_random", True):
+        elif field.name == _OWN and getattr(of, "is_random", True):
             changed[_OWN] = philox(value, 0, 0, FOR_SEED, seed, zlib.crc32(name.encode()))[0] >> 1
     made_anew: P = dataclasses.replace(of, **changed) if changed else parameters
     return made_anew
+
+
+@cache
+def _has_seeds(of: type) -> bool:
+    return any(name.rpartition(".")[2] == _OWN for name in entries_by_name(of))

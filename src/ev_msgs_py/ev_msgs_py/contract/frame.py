@@ -9,8 +9,10 @@ from __future__ import annotations
 import ctypes
 import struct
 from array import array
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from itertools import accumulate
+from types import MappingProxyType
 
 import numpy as np
 
@@ -41,11 +43,12 @@ def span(signals: Iterable[type]) -> tuple[int, int]:
     return min(place.start for place in found), max(place.stop for place in found)
 
 
-def channels() -> dict[str, int]:
+@cache
+def channels() -> Mapping[str, int]:
     """The place of every recorded channel, such as wheel_states.velocity.front_left, in the frame."""
-    return {
-        name: place for signal in PLACES for name, place in zip(TOPICS[signal].channels, places(signal), strict=True)
-    }
+    return MappingProxyType(
+        {name: place for signal in PLACES for name, place in zip(TOPICS[signal].channels, places(signal), strict=True)}
+    )
 
 
 def units() -> dict[str, str]:

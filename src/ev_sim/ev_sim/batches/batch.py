@@ -17,100 +17,26 @@ from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import check_graph
 from ev_core.lockstep.parts import method_part, row_parts
 from ev_core.lockstep.run import refuse_not_finite, roles_in_order
-from ev_core.methods.register import CommonParameters
-from ev_core.parameters.declaration import entries
-from ev_core.parameters.values import check, entries_by_name, plain
 from ev_core.sensors.row import SensorRow
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.batches import observer
 from ev_sim.batches.observer import Observation, Reduction, result
-from ev_sim.batches.whole_runs import WholeRuns
+from ev_sim.batches.variation import Variation
+from ev_sim.batches.whole_runs import WholeRun, WholeRuns
 from ev_sim.measures.registry import NamedMetric
 from ev_sim.recording.offline import written_topics
 
-EVERY_ROLE, _VEHICLE, _SENSORS = "*", "vehicle.", "sensors."
-_OF_ALL_RUNS = ("method", "control_period", "mode")
-_SEED = entries_by_name(CommonParameters)["seed"]
-
-
-class Variation:
-    """What differs from run to run; names are ROLE.PARAMETER, or *.PARAMETER for all roles.
-
-    `runs` is their number by role where initial states give it. ParameterError for unknown names, for what cannot
-    differ, and if the numbers of values are not the same.
-    """
-
-    def __init__(
-        self, configurations: Mapping[str, Configuration], vary: Mapping[str, Iterable[Any]], runs: Mapping[str, int]
-    ) -> None:
-        self._configurations = configurations
-        self._known = {role: configuration.values() for role, configuration in configurations.items()}
-        columns = {name: list(map(plain, plain(values))) for name, values in vary.items()}
-        lengths = {name: len(column) for name, column in columns.items()}
-        lengths.update({f"initial_states of {role}": count for role, count in runs.items()})
-        if len(set(lengths.values())) > 1:
-            listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
-            raise ParameterError(f"numbers of runs differ: {listed}; allowed is one number of values for all")
-        self.names = tuple(columns)
-        self.runs = next(iter(lengths.values()), 1)
-        self._by_role: dict[str, dict[str, Sequence[Any]]] = {role: {} for role in configurations}
-        for name, column in columns.items():
-            role, _, parameter = name.partition(".")
-            if role != EVERY_ROLE and role not in configurations:
-                raise unknown_name("role", role, [EVERY_ROLE, *configurations])
-            for each in configurations if role == EVERY_ROLE else (role,):
-                self._refuse(name, parameter, each, role == EVERY_ROLE)
-                self._by_role[each][parameter] = column
-
-    def _refuse(self, name: str, parameter: str, role: str, for_all: bool) -> None:
-        configuration = self._configurations[role]
-        extra = entries(configuration.extra) if configuration.extra is not None else ()
-        fixed = (*_OF_ALL_RUNS, *(entry.name for entry in extra))
-        if parameter in fixed:
-            raise ParameterError(f"{name} is refused: all runs of a batch have the same {parameter}")
-        known = self._known[role]
-        if parameter not in known:
-            is_sensor = parameter.startswith(_SENSORS)  # there are many: listed where one is meant
-            listed = [each for each in known if each not in fixed and each.startswith(_SENSORS) == is_sensor]
-            raise unknown_name(f"parameter of {role}", parameter, listed)
-        if parameter.startswith(_VEHICLE) and not for_all:
-            raise ParameterError(f"{name} is refused: allowed is {EVERY_ROLE}.{parameter}, one for all roles")
-
-    def configurations(self, role: str) -> list[Configuration] | None:
-        """Those of a role in all runs, None if nothing that matters differs; ParameterError if a value is refused."""
-        base, columns = self._configurations[role], self._by_role[role]
-        is_sound = base.is_ideal and not base.faults
-        matters = self.concerns_method(role) or self.concerns_sensors(role) or not is_sound
-        found = []
-        for run in range(self.runs if columns else 0):
-            values = {name: column[run] for name, column in columns.items()}
-            try:
-                if matters:
-                    found.append(base.changed(values))
-                else:
-                    check(_SEED, values["seed"])
-            except ParameterError as error:
-                raise ParameterError(f"run {run}: {role}: {error}") from None
-        return found or None
-
-    def concerns_sensors(self, role: str) -> bool:
-        """Whether errors of sensors differ."""
-        return any(name.startswith(_SENSORS) for name in self._by_role[role])
-
-    def concerns_method(self, role: str) -> bool:
-        """Whether anything differs that the method of a role knows of, and not its sensors and faults alone."""
-        seed = () if self._configurations[role].has_random_method else ("seed",)
-        return any(name not in seed and not name.startswith(_SENSORS) for name in self._by_role[role])
+_NOTHING = (0, 0)  # is written
 
 
 class _Placed(NamedTuple):
-    """A part of a role, which runs may share, and a state of a run's own."""
+    """A part of a role, or what observes it, which runs may share, and a state of a run's own."""
 
     role: str
     writes: tuple[int, int]
-    part: CompiledPart | RowPart
+    part: CompiledPart | RowPart | Observation
     state: np.ndarray
 
     @property
@@ -150,7 +76,7 @@ class Runs:
         self._varied = {role: variation.configurations(role) for role in configurations}
         first = {role: varied[0] if varied else configurations[role] for role, varied in self._varied.items()}
         made = {role: method_part(configuration, compiled=True) for role, configuration in first.items()}
-        self._shared = {role: part for role, part in made.items() if not variation.concerns_method(role)}
+        self._made, self._differs = made, {role for role in made if variation.concerns_method(role)}
         # What is compiled is compiled here, and not by several threads at once.
         observer.function()
         if any(variation.concerns_sensors(role) or not each.is_ideal for role, each in configurations.items()):
@@ -166,39 +92,44 @@ class Runs:
 
     def _drive(self, run: int) -> str:
         """Drive one run; where a number is not finite it stops, and the answer is not empty."""
+        whole = self._measures.whole_run() if self._measures else None
         before = [placed for role in self._answering for placed in self._placed(role, run)]
-        behind = [placed for role in self._integrating for placed in self._placed(role, run)]
-        whole = self._measures.observation() if self._measures else None
-        observing = [(*each.addresses(n), 0, 0) for each, n in ((self._observation, run), (whole, 0)) if each]
-        rows = np.array([*(p.row for p in before), *observing, *(p.row for p in behind)], np.int64)
+        before.append(_Placed("", _NOTHING, self._observation, self._observation.state(run)))
+        before += [_Placed("", _NOTHING, whole.shown, whole.shown.state())] if whole else []
+        behind = [placed for role in self._integrating for placed in self._placed(role, run, whole)]
+        rows = np.array([placed.row for placed in (*before, *behind)], np.int64)
         frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
-        if run_through(frames, self._times, rows, len(before) + len(observing), stopped) == FINISHED:
+        if run_through(frames, self._times, rows, len(before), stopped) == FINISHED:
             if self._measures and whole:
                 of = {role: varied[run] if varied else self._base[role] for role, varied in self._varied.items()}
                 self._measures.take(run, whole, of)
             return ""
         instant, place, which = stopped.tolist()
-        role = [*(p.role for p in before), *("" for _ in observing), *(p.role for p in behind)][place]
+        role = (*before, *behind)[place].role
         try:
             refuse_not_finite(frames[which], self._base[role].method.writes)
         except SignalError as error:
             return f"at {self._times[instant]:g} s {error}"
         raise AssertionError(f"{role} stopped, but all its numbers are finite")
 
-    def _placed(self, role: str, run: int) -> list[_Placed]:
-        """The parts that play a role in a run, at their start."""
+    def _placed(self, role: str, run: int, whole: WholeRun | None = None) -> list[_Placed]:
+        """The parts that play a role in a run, at their start, with what keeps the truth of it for a whole run."""
         varied = self._varied[role]
         configuration = varied[run] if varied else self._base[role]
         try:
-            part = self._shared.get(role) or method_part(configuration, compiled=True)
+            part = self._made[role]
+            if role in self._differs:
+                part = method_part(configuration, compiled=True, like=part)
         except ParameterError as error:  # values that are allowed one by one and do not fit together
             raise ParameterError(f"run {run}: {role}: {error}") from None
         state = self._initial_states[role][run] if role in self._initial_states else part.state
         if any(text.split()[0] == "restarted" for text in configuration.faults):
             raise ParameterError(f"{role} faults: restarted is refused in a batch, allowed are all other kinds")
         writes = frame.span(configuration.method.writes)
-        placed = [_Placed(role, writes, part, state.copy())]
-        return [*placed, *(_Placed(role, writes, behind, behind.state) for behind in row_parts(configuration))]
+        placed, rows = [_Placed(role, writes, part, state.copy())], row_parts(configuration)
+        if rows and whole and (truth := whole.truth_of(role)):
+            placed.append(_Placed("", _NOTHING, truth, truth.state()))
+        return [*placed, *(_Placed(role, writes, behind, behind.state) for behind in rows)]
 
 
 def _refuse_states(role: str, states: np.ndarray, size: int) -> None:

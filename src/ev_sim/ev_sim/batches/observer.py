@@ -1,6 +1,7 @@
 """A part that keeps of a run what a batch is asked for: some channels now and then, and reductions.
 
-It stands behind all that answer and writes nothing into the frame. Two rows of numbers are its memory:
+It writes nothing into the frame in which it stands: behind all that answer, or behind a part that integrates. Two rows
+of numbers are its memory:
 
     constants  every  channels  reductions  samples  their places ...  kind and place of each reduction ...
     state      instant  reductions ...  the samples of the first channel ...  of the second ...
@@ -86,7 +87,7 @@ def step(now, next, state, constants):
     head = carray(constants, {HEAD}, FLOAT)
     asked = carray(constants, {HEAD} + int(head[1] + 2.0 * head[2]), FLOAT)
     kept = carray(state, 1 + int(head[2] + head[1] * head[3]), FLOAT)
-    observe(carray(now, {frame.SIZE}, FLOAT), kept, asked)
+    observe(carray(next, {frame.SIZE}, FLOAT), kept, asked)
     return 0
 '''
 
@@ -116,9 +117,14 @@ class Observation:
         self._kept = np.full((runs, self._head + len(channels) * self._samples), np.nan)
         self._kept[:, : self._head] = 0.0
 
-    def addresses(self, run: int) -> tuple[int, int, int]:
-        """The addresses of the function, the row of a run and the constants."""
-        return function(), self._kept[run].ctypes.data, self._constants.ctypes.data
+    def addresses(self) -> tuple[int, int, int]:
+        """The addresses of the function, the row of the first run and the constants."""
+        return function(), self._kept.ctypes.data, self._constants.ctypes.data
+
+    def state(self, run: int = 0) -> np.ndarray:
+        """The row of a run."""
+        row: np.ndarray = self._kept[run]
+        return row
 
     def reduced(self) -> np.ndarray:
         """What has come of each reduction, (runs, reductions)."""
@@ -127,4 +133,4 @@ class Observation:
     def signals(self) -> dict[str, np.ndarray]:
         """By channel the samples of each run, (runs, samples); NaN where none has come."""
         samples = self._kept[:, self._head :].reshape(len(self._kept), len(self._channels), self._samples)
-        return {name: samples[:, i].copy() for i, name in enumerate(self._channels)}
+        return {name: np.ascontiguousarray(samples[:, i]) for i, name in enumerate(self._channels)}

@@ -7,11 +7,38 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ev_core.lockstep.configuration import Configuration
+from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.batches.observer import Observation
 from ev_sim.measures.own_metrics import named_metrics
 from ev_sim.measures.registry import NamedMetric, driven_run, refuse_unmeasurable
-from ev_sim.recording.offline import true_motion, written_topics
+from ev_sim.recording.offline import OF_THE_CAR, written_topics
 from ev_sim.recording.recording import Recording, signal_hash
+
+
+class WholeRun:
+    """The memory for some channels of a run, and for those `of_roles` of the car in front of their sensors."""
+
+    def __init__(self, channels: Sequence[str], of_roles: Mapping[str, Sequence[str]], times: np.ndarray) -> None:
+        self.shown = Observation(channels, 1, (), 1, len(times))
+        self._of_roles, self._times = of_roles, times
+        self._true: list[Observation] = []
+
+    def truth_of(self, role: str) -> Observation | None:
+        """What is to keep the truth of a role that has sensors or faults; None if it has none that counts."""
+        if role not in self._of_roles:
+            return None
+        self._true.append(Observation(self._of_roles[role], 1, (), 1, len(self._times)))
+        return self._true[-1]
+
+    def recorded(self) -> tuple[Recording, Recording]:
+        """What was shown, and the true motion (`true_motion`, which has to drive the car again for it)."""
+        shown = Recording(self._times, _only_run(self.shown))
+        true = {name: values for each in self._true for name, values in _only_run(each).items()}
+        return shown, Recording(self._times, {**shown.channels, **true}, shown) if true else shown
+
+
+def _only_run(observation: Observation) -> dict[str, np.ndarray]:
+    return {name: values[0] for name, values in observation.signals().items()}
 
 
 class WholeRuns:
@@ -33,19 +60,24 @@ class WholeRuns:
         self._metrics, self._times = named_metrics(texts), times
         refuse_unmeasurable(self._metrics.values(), configurations)
         self._channels = [name for topic in written_topics(configurations) for name in topic.channels]
+        self._of_roles = {
+            role: [name for signal in configurations[role].method.writes for name in TOPICS[signal].channels]
+            for role in OF_THE_CAR
+            if role in configurations and len(times) > 1
+        }
         self.values = {name: np.full(runs, np.nan) for name in self._metrics}
         self.hashes = [""] * runs if hashed else []
 
-    def observation(self) -> Observation:
-        """The memory for all channels of a run."""
-        return Observation(self._channels, 1, (), 1, len(self._times))
+    def whole_run(self) -> WholeRun:
+        """The memory for a run."""
+        return WholeRun(self._channels, self._of_roles, self._times)
 
-    def take(self, run: int, whole: Observation, configurations: Mapping[str, Configuration]) -> None:
+    def take(self, run: int, whole: WholeRun, configurations: Mapping[str, Configuration]) -> None:
         """Measure a run that has ended, of these configurations."""
-        recorded = Recording(self._times, {name: values[0] for name, values in whole.signals().items()})
+        shown, motion = whole.recorded()
         if self.hashes:
-            self.hashes[run] = signal_hash(recorded)
-        driven = driven_run(true_motion(recorded, configurations), configurations)
+            self.hashes[run] = signal_hash(shown)
+        driven = driven_run(motion, configurations)
         for name, metric in self._metrics.items():
             value = metric.measured(driven).value
             if value is not None:

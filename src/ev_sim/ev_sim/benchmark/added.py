@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from ev_core.check.method import ContractError, check_configuration
-from ev_core.lockstep.configuration import refuse_unused
-from ev_core.lockstep.finding import is_code
+from ev_core.lockstep.configuration import Configuration, refuse_unused
+from ev_core.lockstep.finding import find_method, is_code
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.benchmark.board import Board
-from ev_sim.benchmark.driving import ROLE, law_of, run_of, values_of
+from ev_sim.benchmark.board import FURTHER, ROLE, Board, by_role
+from ev_sim.benchmark.driving import law_of, run_of, values_of
 from ev_sim.scenarios.about import NAMESPACE
 from ev_sim.scenarios.parameter_file import ParameterFile
 
@@ -21,8 +22,9 @@ STEPS = 100  # of each check of the contract, for each car of the board
 def with_added(board: Board, words: Sequence[str]) -> tuple[Board, list[str]]:
     """A board with further laws, each LAW or LAW=PARAMETERS.yaml, and their names.
 
-    LAW is the path of a law file, a law of the board or the name of a method. ParameterError if a name is taken, or for
-    a file without parameters of the electronic differential.
+    LAW is the path of a law file, a law of the board or the name of a method; one of another role than the electronic
+    differential drives with the reference of the board. ParameterError if a name is taken, or for a file without
+    parameters of a law.
     """
     laws = dict(board.laws)
     for word in words:
@@ -31,30 +33,54 @@ def with_added(board: Board, words: Sequence[str]) -> tuple[Board, list[str]]:
         name = Path(file).stem if file else chosen or (Path(code).stem if is_code(law) else law)
         if name in laws:
             raise ParameterError(f"--add {quoted(word)}: the board has a law {quoted(name)}, allowed is another name")
-        laws[name] = {**board.laws.get(law, {"method": law}), **(_parameters(file) if file else {})}
+        laws[name] = {**(board.laws.get(law) or _with_method(board, law)), **(_parameters(file) if file else {})}
     return replace(board, laws=laws), [name for name in laws if name not in board.laws]
 
 
-def _parameters(file: str) -> dict[str, object]:
-    found = ParameterFile(Path(file)).values_for(f"{NAMESPACE}/{ROLE}")
+def _with_method(board: Board, law: str) -> Mapping[str, Any]:
+    for role in (ROLE, *FURTHER):
+        try:
+            find_method(role, law)
+        except ParameterError:
+            continue
+        return {"method": law} if role == ROLE else {**board.laws[board.reference], f"{role}.method": law}
+    return {"method": law}  # is refused where it is configured
+
+
+def _parameters(file: str) -> dict[str, Any]:
+    content = ParameterFile(Path(file))
+    found = content.values_for(f"{NAMESPACE}/{ROLE}")
+    for role in FURTHER:
+        of_role = content.values_for(f"{NAMESPACE}/{role}", by_name=True)
+        found |= {f"{role}.{name}": value for name, value in of_role.items()}
     if not found:
-        raise ParameterError(f"{file}: no parameters of {ROLE}, allowed is a section /**/{ROLE}")
+        sections = " or ".join(f"/**/{role}" for role in (ROLE, *FURTHER))
+        raise ParameterError(f"{file}: no parameters of a law, allowed is a section {sections}")
     return found
 
 
-def check_laws(board: Board, names: Sequence[str]) -> None:
-    """Hold laws against the contract, for each car of the board; ParameterError, in one line, for what breaks it."""
-    some = {cell.car: cell for cell in board.cells()}
-    for name in names:
-        for car, cell in some.items():
-            configuration = law_of(board, name, run_of(board, cell, values_of(board, cell)).configurations[ROLE])
-            for each in board.laws[name]:
-                if each != "method":
-                    refuse_unused(each, [configuration])
-            law = configuration.method.law
-            if law is None or not law.is_compilable:
-                raise ParameterError(f"law {name} runs in plain Python, allowed on a board are laws that run compiled")
-            try:
-                check_configuration(configuration, steps=STEPS)
-            except ContractError as error:
-                raise ParameterError(f"law {name} with {car}: {'; '.join(error.findings)}") from None
+def check_laws(board: Board, laws: Sequence[str], added: Sequence[str]) -> None:
+    """Configure laws for each car of the board, and hold what was added against the contract.
+
+    ParameterError, in one line, for what is refused or breaks it.
+    """
+    cells = sorted(board.cells(), key=lambda cell: not board.manoeuvres[cell.manoeuvre].steering_on)
+    for car, cell in {cell.car: cell for cell in cells}.items():  # the last ones need no run for the steering angles
+        run = run_of(board, cell, values_of(board, cell))
+        for name in laws:
+            for role, configuration in law_of(board, name, run).items():
+                for parameter in by_role(board.laws[name])[role]:
+                    if parameter != "method":
+                        refuse_unused(parameter, [configuration])
+                if name in added:
+                    _hold_against_contract(name, car, configuration)
+
+
+def _hold_against_contract(name: str, car: str, configuration: Configuration) -> None:
+    law = configuration.method.law
+    if law is None or not law.is_compilable:
+        raise ParameterError(f"law {name} runs in plain Python, allowed on a board are laws that run compiled")
+    try:
+        check_configuration(configuration, steps=STEPS)
+    except ContractError as error:
+        raise ParameterError(f"law {name} with {car}: {'; '.join(error.findings)}") from None

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import yaml
 
 from ev_core.parameters.data_file import TEXT, TextOfFile, read_data
-from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
+from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_sim.benchmark.records import is_of, mapping, record
 from ev_sim.measures import motion
 from ev_sim.measures.metric import HIGHER
 from ev_sim.measures.own_metrics import named_metrics
@@ -22,13 +23,14 @@ from ev_sim.surfaces import SURFACES
 
 COSTS = ("handling", "energy")
 SIDES = ("left", "right")
-_ALIKE = ("method", "reference", "allocation", "estimation")  # in the closed division
+ROLE, FURTHER = "electronic_differential", ("asr",)  # roles that a law of a board plays
+CASES = ("training", "validation", "held_out")
+_ALIKE = ("method", "reference", "allocation", "estimation", "asr.method")  # in the closed division
 FRICTION, TOLD_FRICTION = "friction", "told_friction"  # variations that are no parameters
 ENTRY_SPEED = NamedMetric(
     "entry_speed", "m/s", "speed at the beginning, the highest one that was driven clean",
     lambda run: motion.path_speed(run.signals)[0], ("twist.",), HIGHER,
 )  # fmt: skip
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +38,8 @@ class Manoeuvre:
     """A run of a scenario, the roads that it is driven on, and the metrics of each cost.
 
     `steering_on`: the road on which the steering angles are found on the very car, by the slow ramp of the scenario.
-    `entry_speed`: bounds of the speed that is raised until the car is not clean any more [m/s], by `halvings`.
+    `entry_speed`: bounds of the speed that is raised until the car is not clean any more [m/s], by `halvings`;
+    `speed_scale`: those of the scale of the speed profile of a lap [1], likewise.
     """
 
     scenario: str
@@ -48,12 +51,18 @@ class Manoeuvre:
     values: Mapping[str, Any] = field(default_factory=dict)
     steering_on: str = ""
     entry_speed: list[float] = field(default_factory=list)
+    speed_scale: list[float] = field(default_factory=list)
     halvings: int = 6
 
     def metrics(self, *costs: str) -> list[str | NamedMetric]:
         """What some costs count: names of the registry, expressions whose lower values are better, the entry speed."""
         texts = dict.fromkeys(text for cost in costs for text in getattr(self, cost))
         return [ENTRY_SPEED if text == ENTRY_SPEED.name else text for text in texts]
+
+    @property
+    def searched(self) -> list[float]:
+        """The bounds of what is raised until the car is not clean any more; empty if nothing is."""
+        return self.entry_speed or self.speed_scale
 
     @property
     def measured(self) -> list[str | NamedMetric]:
@@ -91,8 +100,8 @@ class Variation:
 
 
 @dataclass(frozen=True, slots=True)
-class HeldOut:
-    """What is kept for the end: cars, bounds of `friction` and `stiffness` of each road, and further variations."""
+class Cases:
+    """What a seed draws runs from: cars, bounds of `friction` and `stiffness` of each road, and further variations."""
 
     cars: list[str]
     friction: list[float]
@@ -121,7 +130,9 @@ class Board:
 
     `reference` is the law that costs are counted against, `scales` by metric what its differences are divided by at
     least, `unstable` the sideslip from which on a run counts as unstable [rad]. `closed` are the laws of the closed
-    division, which differ in their controller alone; all others are in the open one.
+    division, which differ in their controller alone; all others are in the open one. A law states a method of the
+    electronic differential and its parameters, and those of other roles as asr.method, asr.PARAMETER. `tuned` are the
+    laws that are tuned, and patterns of the numbers that are free then.
     """
 
     version: int
@@ -137,7 +148,10 @@ class Board:
     variations: list[Variation]
     laws: Mapping[str, Mapping[str, Any]]
     closed: list[str] = field(default_factory=list)
-    held_out: HeldOut | None = None
+    training: Cases | None = None
+    validation: Cases | None = None
+    held_out: Cases | None = None
+    tuned: Mapping[str, list[str]] = field(default_factory=dict)
     name: str = ""
 
     def cells(self, pattern: str = "*") -> list[Cell]:
@@ -164,15 +178,16 @@ def read_board(name: str) -> Board:
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise ParameterError(f"{path}: not readable as YAML: {' '.join(str(error).split())}") from None
     try:
-        whole = marked("", dict(_mapping("a board", content)), path)
+        whole = marked("", dict(mapping("a board", content)), path)
         for entry, of in (("manoeuvres", Manoeuvre), ("roads", Road)):
-            stated = _mapping(entry, whole.get(entry))
-            whole[entry] = {n: _record(of, f"{entry.removesuffix('s')} {n}", each) for n, each in stated.items()}
+            stated = mapping(entry, whole.get(entry))
+            whole[entry] = {n: record(of, f"{entry.removesuffix('s')} {n}", each) for n, each in stated.items()}
         whole["variations"] = _variations(whole)
-        if "held_out" in whole:
-            stated = dict(_mapping("held_out", whole["held_out"]))
-            whole["held_out"] = _record(HeldOut, "held_out", stated | {"variations": _variations(stated)})
-        board = _record(Board, "a board", whole | {"name": name})
+        for entry in CASES:
+            if entry in whole:
+                stated = dict(mapping(entry, whole[entry]))
+                whole[entry] = record(Cases, entry, stated | {"variations": _variations(stated)})
+        board = record(Board, "a board", whole | {"name": name})
         _refuse(board, path)
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from None
@@ -180,53 +195,17 @@ def read_board(name: str) -> Board:
 
 
 def _variations(of: Mapping[str, Any]) -> list[Variation]:
-    return [_record(Variation, "a variation", each) for each in of.get("variations") or ()]
+    return [record(Variation, "a variation", each) for each in of.get("variations") or ()]
 
 
-def _mapping(what: str, content: Any) -> Mapping[str, Any]:
-    if not isinstance(content, Mapping):
-        raise ParameterError(f"{what} is {_shown(content)}, allowed is a mapping")
-    return content
-
-
-def _record(of: type[T], what: str, content: Any) -> T:
-    """A dataclass of what a mapping states, which must be all that it needs and nothing else, each of its kind."""
-    stated, known = _mapping(what, content), {each.name: each for each in fields(of)}  # type: ignore[arg-type]
-    for name in stated:
-        if name not in known:
-            raise unknown_name(f"entry of {what}", str(name), known)
-    for name, each in known.items():
-        if name not in stated and each.default is MISSING and each.default_factory is MISSING:
-            raise ParameterError(f"{what} lacks {name}")
-    for name, value in stated.items():
-        kind, _, inner = str(known[name].type).removesuffix("]").partition("[")
-        elements = value if kind == "list" and isinstance(value, list) else ()
-        if not _is(value, kind) or not all(_is(each, inner) for each in elements):
-            allowed = _KINDS[kind][0] + (f", each element {_KINDS[inner][0]}" if kind == "list" else "")
-            raise ParameterError(f"{name} of {what} is {_shown(value)}, allowed is {allowed}")
-    return of(**stated)
-
-
-_KINDS: dict[str, tuple[str, tuple[type, ...]]] = {
-    "int": ("a whole number", (int,)),
-    "float": ("a number", (int, float)),
-    "str": ("a text", (str,)),
-    "list": ("a list", (list,)),
-    "Mapping": ("a mapping", (Mapping,)),
-    "Manoeuvre": ("a mapping", (Manoeuvre,)),
-    "Road": ("a mapping", (Road,)),
-    "HeldOut | None": ("a mapping", (HeldOut,)),
-    "Variation": ("a mapping", (Variation,)),
-}
-
-
-def _shown(value: Any) -> str:
-    return quoted(value) if isinstance(value, str) else shown(str(value))
-
-
-def _is(value: Any, kind: str) -> bool:
-    """Whether a value is of a kind; a switch is no number."""
-    return isinstance(value, _KINDS[kind][1]) and not isinstance(value, bool)
+def by_role(law: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """What a law states, by the role that plays it: that of the electronic differential first."""
+    found: dict[str, dict[str, Any]] = {ROLE: {}}
+    for name, value in law.items():
+        role, _, parameter = name.partition(".")
+        own, of = (role, parameter) if role in FURTHER else (ROLE, name)
+        found.setdefault(own, {})[of] = value
+    return found
 
 
 def _refuse(board: Board, path: Path) -> None:
@@ -234,14 +213,15 @@ def _refuse(board: Board, path: Path) -> None:
     if not 1 <= board.draws <= 100_000:
         raise ParameterError(f"draws is {board.draws}, allowed is 1 to 100000")
     _known("reference", [board.reference], board.laws)
-    kept = board.held_out
-    cars = [*board.cars, *(kept.cars if kept else ())]
+    kept = {name: cases for name in CASES if (cases := getattr(board, name))}
+    cars = [*board.cars, *(car for cases in kept.values() for car in cases.cars)]
     for car in cars:
         configured_file("vehicle", TextOfFile.of(car.partition(":")[0], path))
     _known("layout", [car.partition(":")[2] for car in cars], board.layouts)
-    for bounds in (kept.friction, kept.stiffness) if kept else ():
-        if len(bounds) != 2 or not 0.0 < bounds[0] <= bounds[1] <= 2.0:
-            raise ParameterError(f"held_out has the bounds {bounds}, allowed are two numbers that rise, above 0 to 2")
+    for name, cases in kept.items():
+        for bounds in (cases.friction, cases.stiffness):
+            if len(bounds) != 2 or not 0.0 < bounds[0] <= bounds[1] <= 2.0:
+                raise ParameterError(f"{name} has the bounds {bounds}, allowed are two numbers that rise, above 0 to 2")
     for name, road in board.roads.items():
         if not len(road.left) == len(road.right) == len(road.length) + 1:
             raise ParameterError(f"road {name} needs as many surfaces left as right, and a length for all but the last")
@@ -255,9 +235,9 @@ def _refuse(board: Board, path: Path) -> None:
             if metric in METRICS and not METRICS[metric].better:
                 raise ParameterError(f"metric {metric} of {name} is better neither low nor high")
             scale = board.scales.get(metric)
-            if not (_is(scale, "float") and scale > 0.0):
+            if not (is_of(scale, "float") and scale > 0.0):
                 raise ParameterError(f"scales lacks a number above 0 for {metric} of {name}")
-    for variation in [*board.variations, *(kept.variations if kept else ())]:
+    for variation in [*board.variations, *(each for cases in kept.values() for each in cases.variations)]:
         bounds = [*variation.factor, *variation.value, *variation.count]
         if len(bounds) != 2 or not bounds[0] <= bounds[1]:
             raise ParameterError(
@@ -265,8 +245,10 @@ def _refuse(board: Board, path: Path) -> None:
                 "factor, value, count"
             )
     for name, values in board.laws.items():
-        if not isinstance(values, Mapping) or "method" not in values:
-            raise ParameterError(f"law {name} lacks method")
+        for role, stated in by_role(mapping(f"law {name}", values)).items():
+            if "method" not in stated:
+                raise ParameterError(f"law {name} lacks {'' if role == ROLE else f'{role}.'}method")
+    _known("law of tuned", list(board.tuned), board.laws)
     _known("law of closed", board.closed, board.laws)
     alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
     if len(alike) > 1:
@@ -274,12 +256,12 @@ def _refuse(board: Board, path: Path) -> None:
 
 
 def _refuse_search(name: str, manoeuvre: Manoeuvre) -> None:
-    bounds = manoeuvre.entry_speed
+    if manoeuvre.entry_speed and manoeuvre.speed_scale:
+        raise ParameterError(f"{name} has entry_speed and speed_scale, allowed is one of them")
+    what, bounds = "speed_scale" if manoeuvre.speed_scale else "entry_speed", manoeuvre.searched
     if bounds and not (len(bounds) == 2 and 0.0 < bounds[0] < bounds[1] and 1 <= manoeuvre.halvings <= 30):
-        raise ParameterError(
-            f"entry_speed of {name} is {bounds}, allowed are two speeds that rise, and 1 to 30 halvings"
-        )
-    if not bounds and ENTRY_SPEED in manoeuvre.measured:
+        raise ParameterError(f"{what} of {name} is {bounds}, allowed are two numbers that rise, and 1 to 30 halvings")
+    if not manoeuvre.entry_speed and ENTRY_SPEED in manoeuvre.measured:
         raise ParameterError(f"entry_speed of {name} is measured, allowed with the bounds entry_speed: [LOW, HIGH]")
 
 

@@ -15,8 +15,9 @@ from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.batch import EVERY_ROLE, batch
-from ev_sim.benchmark.board import FRICTION, SIDES, TOLD_FRICTION, Board, Cell
+from ev_sim.batches.batch import batch
+from ev_sim.batches.variation import EVERY_ROLE
+from ev_sim.benchmark.board import FRICTION, SIDES, TOLD_FRICTION, Board, Cell, by_role
 from ev_sim.benchmark.entry_speed import CLEAN, at_speeds, clean, highest_clean
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
@@ -25,7 +26,6 @@ from ev_sim.scenarios.scenario import Overrides, Run, Scenario, load_scenario
 from ev_sim.scenarios.slow_ramp import COLUMN, SCALE, angle_at, driven_slowly
 from ev_sim.surfaces import SURFACES
 
-ROLE = "electronic_differential"
 BELIEF = ("known.error_factor", "error_factor")  # how laws call the friction that they believe in over the true one
 TYRES = ("single_track", "known.observer", "observer")  # groups in which laws keep what they believe of the tyres
 SCALE_OF_ANGLES = f"{COLUMN}.{SCALE}"
@@ -69,7 +69,7 @@ def drive_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | Non
     manoeuvre = board.manoeuvres[cell.manoeuvre]
     driven = DrivenCell(cell, {}, {}, {}, {})
     for law, runs in laws_in_cell(board, cell, laws, threads).items():
-        metrics = [*manoeuvre.measured, *([clean(board, runs.run)] if manoeuvre.entry_speed else [])]
+        metrics = [*manoeuvre.measured, *([clean(board, runs.run)] if manoeuvre.searched else [])]
         found = batch(
             runs.run.configurations, manoeuvre.duration, runs.vary, metrics=metrics, threads=threads, hashes=True
         )
@@ -87,14 +87,14 @@ def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | N
     """
     fixed, manoeuvre = values_of(board, cell), board.manoeuvres[cell.manoeuvre]
     base = run_of(board, cell, fixed)
-    of_scenario = base.configurations[ROLE]
     draws, found = drawn(board, cell, base.configurations), {}
     for law in laws:
-        configuration = law_of(board, law, of_scenario)
-        of_law = {f"{ROLE}.{name}": value for name, value in law_values(board, law, of_scenario).items()}
-        run = replace(base, configurations={**base.configurations, ROLE: configuration})
-        vary = {**draws.values, **own_draws(configuration, draws)}
-        if manoeuvre.entry_speed:
+        playing = law_of(board, law, base)
+        values = law_values(board, law, base)
+        of_law = {f"{role}.{name}": value for role, of in values.items() for name, value in of.items()}
+        run = replace(base, configurations={**base.configurations, **playing})
+        vary = {**draws.values, **own_draws(playing, draws)}
+        if manoeuvre.searched:
             vary |= highest_clean(board, manoeuvre, run, vary, threads)
         found[law] = LawInCell(run, vary, {**fixed, **of_law})
     return found
@@ -165,23 +165,27 @@ def _scenario(board: Board, cell: Cell, values: Mapping[str, Any]) -> Scenario:
     return load_scenario(manoeuvre.scenario, overrides, (manoeuvre.run,) if manoeuvre.run else ())
 
 
-def law_values(board: Board, law: str, base: Configuration) -> dict[str, Any]:
-    """The parameters of a law: those of the board, and the cornering stiffnesses of the car where it asks for them."""
-    values = dict(board.laws[law])
-    known = configure(ROLE, {**flatten(base.common), **values}).values()
-    stiffness = axle_cornering_stiffnesses(base.common.vehicle)
-    for group in TYRES:
-        for axle, value in zip(("front", "rear"), stiffness, strict=True):
-            name = f"{group}.{axle}_cornering_stiffness"
-            if name in known and name not in values:
-                values[name] = value
-    return values
+def law_values(board: Board, law: str, base: Run) -> dict[str, dict[str, Any]]:
+    """By role the parameters of a law: those of the board, and the cornering stiffnesses of the car it asks for."""
+    found = by_role(board.laws[law])
+    for role, values in found.items():
+        common = base.configurations[role].common
+        known = configure(role, {**flatten(common), **values}).values()
+        stiffness = axle_cornering_stiffnesses(common.vehicle)
+        for group in TYRES:
+            for axle, value in zip(("front", "rear"), stiffness, strict=True):
+                name = f"{group}.{axle}_cornering_stiffness"
+                if name in known and name not in values:
+                    values[name] = value
+    return found
 
 
-def law_of(board: Board, law: str, base: Configuration) -> Configuration:
-    """A law of the board for the car of a graph."""
+def law_of(board: Board, law: str, base: Run) -> dict[str, Configuration]:
+    """By role a law of the board for the car of a run."""
     try:
-        return configure(ROLE, {**flatten(base.common), **law_values(board, law, base)})
+        found = law_values(board, law, base)
+        common = {role: flatten(base.configurations[role].common) for role in found}
+        return {role: configure(role, {**common[role], **values}) for role, values in found.items()}
     except ParameterError as error:
         raise ParameterError(f"law {law}: {error}") from None
 
@@ -216,10 +220,9 @@ def _value_in(base: Mapping[str, Configuration], name: str) -> float:
     return float(known[parameter])
 
 
-def own_draws(law: Configuration, draws: Draws) -> dict[str, Sequence[float]]:
-    """What is drawn for a law alone: the friction that it believes in, under the name that it has for it."""
-    known = law.values()
-    return {f"{ROLE}.{name}": draws.told for name in BELIEF if name in known}
+def own_draws(law: Mapping[str, Configuration], draws: Draws) -> dict[str, Sequence[float]]:
+    """What is drawn for a law alone: the friction that it believes in, under the names that it has for it."""
+    return {f"{role}.{name}": draws.told for role, of in law.items() for name in BELIEF if name in of.values()}
 
 
 def words_of(board: Board, cell: Cell, runs: LawInCell, draw: int) -> list[str]:

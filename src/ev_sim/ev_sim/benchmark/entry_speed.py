@@ -1,4 +1,7 @@
-"""The highest entry speed that a car drives clean, by bisection of the runs of all draws at once."""
+"""The highest speed that a car drives clean, by bisection of the runs of all draws at once.
+
+It is the entry speed of a manoeuvre, or the scale of the speed profile of a lap.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ from ev_sim.batches.batch import batch
 from ev_sim.benchmark.board import Board, Manoeuvre
 from ev_sim.manoeuvres.double_lane_change import passed
 from ev_sim.measures.handling import peak_sideslip
+from ev_sim.measures.laps import lap_times
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.registry import DrivenRun, NamedMetric
 from ev_sim.scenarios.scenario import Run
@@ -26,12 +30,17 @@ def clean(board: Board, run: Run) -> NamedMetric:
 
     def of(driven: DrivenRun) -> float:
         try:
-            in_lanes = passed(driven.signals, driven.vehicle, parameters, run.course)
+            if driven.course is not None:
+                in_lanes = len(lap_times(driven.signals, driven.vehicle, driven.course)) >= driven.course.laps
+            else:
+                in_lanes = passed(driven.signals, driven.vehicle, parameters, run.course)
         except NotMeasured:  # it has not come to the end
             return 0.0
         return float(in_lanes and peak_sideslip(driven.signals) < board.unstable)
 
-    return NamedMetric(CLEAN, "1", "1: stable, in the lanes and on the road to the end, no cone hit; else 0", of, ())
+    return NamedMetric(
+        CLEAN, "1", "1: stable, in the lanes and on the road to the end, no cone hit, all laps driven; else 0", of, ()
+    )
 
 
 def at_speeds(speeds: np.ndarray) -> dict[str, list[Any]]:
@@ -43,6 +52,11 @@ def at_speeds(speeds: np.ndarray) -> dict[str, list[Any]]:
     }
 
 
+def at_scales(scales: np.ndarray) -> dict[str, list[Any]]:
+    """What has to vary for the scales of the speed profile of some laps (n,) [1]."""
+    return {f"{_DRIVER}.limit.scale": scales.tolist()}
+
+
 def highest_clean(
     board: Board, manoeuvre: Manoeuvre, run: Run, vary: Mapping[str, Iterable[Any]], threads: int | None
 ) -> dict[str, list[Any]]:
@@ -51,16 +65,17 @@ def highest_clean(
     Between a speed that was clean and one that was not the middle is driven, `halvings` times. Where cleanness comes
     and goes with the speed this finds one of its ends.
     """
-    low, high = (np.full(board.draws, end) for end in manoeuvre.entry_speed)
+    at = at_speeds if manoeuvre.entry_speed else at_scales
+    low, high = (np.full(board.draws, end) for end in manoeuvre.searched)
     for _ in range(manoeuvre.halvings):
         middle = 0.5 * (low + high)
         found = batch(
             run.configurations,
             manoeuvre.duration,
-            {**vary, **at_speeds(middle)},
+            {**vary, **at(middle)},
             metrics=[clean(board, run)],
             threads=threads,
         )
         is_clean = found.metrics[CLEAN] == 1.0
         low, high = np.where(is_clean, middle, low), np.where(is_clean, high, middle)
-    return at_speeds(low)
+    return at(low)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ev_sim.benchmark.board import COSTS, Board
+from ev_sim.benchmark.board import COSTS, Board, Cell
 from ev_sim.benchmark.distributions import COSTS_SHOWN, Estimate, improvement, performance_profiles
 from ev_sim.benchmark.driving import DrivenCell
 from ev_sim.benchmark.scores import Score, costs_of, interquartile_mean, scores, tail_mean
@@ -21,31 +21,40 @@ from ev_sim.command_line.options import command_of
 
 @dataclass(frozen=True)
 class BoardResult:
-    """A board, the laws and cells of it that were driven, in this order; `words` of the command that drives a cell."""
+    """A board, the laws and cells of it that were driven, in this order; `words` of the command that drives a cell.
+
+    `step_times` are what was read of a clock (`step_times.step_times`), so that they count in no hash.
+    """
 
     board: Board
     laws: Sequence[str]
     cells: Sequence[DrivenCell]
     words: Sequence[str] = ()
+    step_times: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
+    def _counted(self) -> tuple[np.ndarray, dict[str, np.ndarray], list[Cell]]:
+        """Which runs are unstable, by cost what each costs, and the cells: one after the other, to spare memory."""
+        unstable, costs, places = list[np.ndarray](), {cost: list[np.ndarray]() for cost in COSTS}, list[Cell]()
+        for cell in self.cells:
+            manoeuvre, board = self.board.manoeuvres[cell.cell.manoeuvre], self.board
+            sideslip = np.array([cell.metrics[law]["peak_sideslip"] for law in self.laws])
+            unstable.append(~(sideslip < board.unstable) | ~np.array([cell.clean[law] for law in self.laws]))
+            for cost, of in costs.items():
+                texts = manoeuvre.metrics(cost)
+                of.append(costs_of(cell.metrics, texts, board.scales, board.reference, unstable[-1]))
+            places.append(cell.cell)
+        return np.stack(unstable, axis=1), {cost: np.stack(of, axis=1) for cost, of in costs.items()}, places
+
+    @property
     def unstable(self) -> np.ndarray:
         """Which runs are, (laws, cells, draws): slid too far, with a number that is not finite, or not clean."""
-        sideslip = [[cell.metrics[law]["peak_sideslip"] for cell in self.cells] for law in self.laws]
-        clean = np.array([[cell.clean[law] for cell in self.cells] for law in self.laws])
-        return ~(np.array(sideslip) < self.board.unstable) | ~clean
+        return self._counted[0]
 
-    @cached_property
+    @property
     def costs(self) -> dict[str, np.ndarray]:
         """By cost what each run costs, (laws, cells, draws)."""
-        found: dict[str, list[np.ndarray]] = {cost: [] for cost in COSTS}
-        for n, cell in enumerate(self.cells):
-            manoeuvre = self.board.manoeuvres[cell.cell.manoeuvre]
-            for cost in COSTS:
-                texts, board = manoeuvre.metrics(cost), self.board
-                unstable = self.unstable[:, n]
-                found[cost].append(costs_of(cell.metrics, texts, board.scales, board.reference, unstable))
-        return {cost: np.stack(each, axis=1) for cost, each in found.items()}
+        return self._counted[1]
 
     @cached_property
     def middles(self) -> dict[str, np.ndarray]:
@@ -67,6 +76,11 @@ class BoardResult:
         """By cost the probability that a law is better than another one, (laws, laws)."""
         return {cost: improvement(of, self.board.seed) for cost, of in self.costs.items()}
 
+    @property
+    def places(self) -> list[Cell]:
+        """The cells without what was driven, which may be on disk."""
+        return self._counted[2]
+
     def scores_among(self, laws: Sequence[int]) -> dict[str, list[Score]]:
         """The scores of some laws, ranked among themselves."""
         costs, seed = {cost: of[list(laws)] for cost, of in self.costs.items()}, self.board.seed
@@ -79,36 +93,37 @@ class BoardResult:
     def once_more(self, cell: int, law: int, draw: int) -> str:
         """The line that drives a run alone."""
         words = command_of(self.words)
-        return f"{words} --cells '{self.cells[cell].cell.id('*')}' --drive {self.laws[law]}:{draw}"
+        return f"{words} --cells '{self.places[cell].id('*')}' --drive {self.laws[law]}:{draw}"
 
-    def runs(self) -> list[dict[str, Any]]:
+    def runs(self) -> Iterator[dict[str, Any]]:
         """A record of each run: its metrics, None where there is no number, signal hash, and what drives it again."""
-        found = []
         for n, cell in enumerate(self.cells):
             for i, law in enumerate(self.laws):
                 for draw, command in enumerate(cell.commands[law]):
                     numbers = {name: float(values[draw]) for name, values in cell.metrics[law].items()}
                     costs = {f"{cost}_cost": float(of[i, n, draw]) for cost, of in self.costs.items()}
-                    found.append(
-                        {
-                            "cell": cell.cell.id("*"),
-                            "law": law,
-                            "draw": draw,
-                            "unstable": bool(self.unstable[i, n, draw]),
-                            **costs,
-                            **{name: value if math.isfinite(value) else None for name, value in numbers.items()},
-                            "signal_hash": cell.hashes[law][draw],
-                            "command": command,
-                            "once_more": self.once_more(n, i, draw),
-                        }
-                    )
-        return found
+                    yield {
+                        "cell": cell.cell.id("*"),
+                        "law": law,
+                        "draw": draw,
+                        "unstable": bool(self.unstable[i, n, draw]),
+                        **costs,
+                        **{name: value if math.isfinite(value) else None for name, value in numbers.items()},
+                        "signal_hash": cell.hashes[law][draw],
+                        "command": command,
+                        "once_more": self.once_more(n, i, draw),
+                    }
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of what was drawn and measured in all runs, and of their signals."""
-        told = [{name: value for name, value in run.items() if name != "once_more"} for run in self.runs()]
-        return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+        """SHA-256 of what was drawn and measured in all runs, and of their signals: a list of JSON, run by run."""
+        digest, before = hashlib.sha256(b"["), b""
+        for run in self.runs():
+            told = {name: value for name, value in run.items() if name != "once_more"}
+            digest.update(before + json.dumps(told, sort_keys=True).encode())
+            before = b", "
+        digest.update(b"]")
+        return digest.hexdigest()
 
     def as_json(self) -> dict[str, Any]:
         """The scores of all laws, profiles, probabilities of improvement, and the hash of all runs."""
@@ -116,7 +131,7 @@ class BoardResult:
             "board": self.board.name,
             "version": self.board.version,
             "draws": self.board.draws,
-            "cells": [each.cell.id("*") for each in self.cells],
+            "cells": [each.id("*") for each in self.places],
             "scores": {
                 law: {of: each[i]._asdict() for of, each in self.scores.items()}
                 | {"unstable": float(self.unstable[i].mean())}
@@ -134,6 +149,7 @@ class BoardResult:
                 }
                 for i, law in enumerate(self.laws)
             },
+            "step_time_ns": {law: round(of) for law, of in self.step_times.items()},
             "hash": self.hash,
         }
 

@@ -73,17 +73,35 @@ def scores(costs: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], see
     than another one if the interval of their difference says so.
     """
     laws, cells, draws = costs.shape
-    found = []
-    for chosen in resampled_draws(cells, draws, seed):
-        of_laws = costs[:, np.arange(cells)[:, None], chosen]
-        found.append(statistic(of_laws.reshape(laws, _AT_ONCE, -1)).T)
-    resampled = np.concatenate(found)
+    resampled = np.array(
+        [
+            statistic(costs[:, np.arange(cells)[:, None], each].reshape(laws, -1))
+            for chosen in resampled_draws(cells, draws, seed)
+            for each in chosen
+        ]
+    )
     low, high = np.percentile(resampled, ENDS, axis=0)
     worse = np.percentile(resampled[:, :, None] - resampled[:, None, :], ENDS[0], axis=0) > 0.0
     values = statistic(costs.reshape(laws, -1))
     return [
         Score(float(values[i]), float(low[i]), float(high[i]), 1 + int(np.count_nonzero(worse[i]))) for i in range(laws)
     ]
+
+
+def difference(
+    one: np.ndarray, other: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], seed: int
+) -> tuple[float, float, float]:
+    """By how much a statistic of the costs of one law, (cells, draws), is above that of another, and its interval."""
+    both = np.stack([one, other])
+    cells, draws = one.shape
+    found = [
+        statistic(both[:, np.arange(cells)[:, None], chosen].reshape(2, _AT_ONCE, -1))
+        for chosen in resampled_draws(cells, draws, seed)
+    ]
+    resampled = np.concatenate(found, axis=1)
+    low, high = np.percentile(resampled[0] - resampled[1], ENDS)
+    value = statistic(one.ravel()) - statistic(other.ravel())
+    return float(value), float(low), float(high)
 
 
 def resampled_draws(cells: int, draws: int, seed: int) -> Iterator[np.ndarray]:

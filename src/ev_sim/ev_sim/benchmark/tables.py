@@ -12,7 +12,7 @@ from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.scores import Score
 
 SCORE_COLUMNS = ("law", "handling", "rank", "worst tenth", "rank", "energy", "rank", "unstable [%]")
-LAW_COLUMNS = ("law", *(f"{cost} better [%]" for cost in COSTS), "wins most in", "breaks most in")
+LAW_COLUMNS = ("law", *(f"{cost} better [%]" for cost in COSTS), "step [µs]", "wins most in", "breaks most in")
 CELL_COLUMNS = (
     "cell",
     *(f"{cost}: {which}" for cost in COSTS for which in ("best", "cost")),
@@ -51,7 +51,8 @@ def law_rows(result: BoardResult) -> list[list[str]]:
     for i, law in enumerate(result.laws):
         if i != reference:
             shares = [_percent(result.improvement[cost], i, reference) for cost in COSTS]
-            rows.append([law, *shares, *_ends(result, i, reference)])
+            step = f"{1e-3 * result.step_times[law]:.2f}" if law in result.step_times else "-"
+            rows.append([law, *shares, step, *_ends(result, i, reference)])
     return rows
 
 
@@ -74,15 +75,16 @@ def _ends(result: BoardResult, law: int, reference: int) -> tuple[str, str]:
     best, worst = int(np.argmin(more)), int(np.argmax(more))
     lost = [int(result.unstable[i, worst].sum()) for i in (law, reference)]
     unstable = f"; unstable {lost[0]} for {lost[1]} of {result.board.draws}" if any(lost) else ""
-    texts = [f"{_short(result, n)}: {middle[law, n]:.2f} for {middle[reference, n]:.2f}" for n in (best, worst)]
+    texts = [f"{short_id(result, n)}: {middle[law, n]:.2f} for {middle[reference, n]:.2f}" for n in (best, worst)]
     return (
         texts[0] if more[best] < -_EQUAL else "nowhere",
         texts[1] + unstable if more[worst] > _EQUAL else "nowhere",
     )
 
 
-def _short(result: BoardResult, cell: int) -> str:
-    of = result.cells[cell].cell
+def short_id(result: BoardResult, cell: int) -> str:
+    """CAR:LAYOUT:MANOEUVRE:ROAD of a cell."""
+    of = result.places[cell]
     return f"{of.car}:{of.manoeuvre}:{of.road}"
 
 

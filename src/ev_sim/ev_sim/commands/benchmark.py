@@ -8,18 +8,22 @@ from __future__ import annotations
 import argparse
 import hashlib
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from ev_core.parameters.data_file import TEXT, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.benchmark.added import check_laws, with_added
-from ev_sim.benchmark.board import Board, read_board
+from ev_sim.benchmark.board import Board, Cell, read_board
 from ev_sim.benchmark.drawing import board_sheet
-from ev_sim.benchmark.driving import drive_cell, laws_in_cell, words_of
+from ev_sim.benchmark.driving import DrivenCell, drive_cell, laws_in_cell, words_of
 from ev_sim.benchmark.held_out import held_out
+from ev_sim.benchmark.kept_cells import FOLDER, KeptCells
+from ev_sim.benchmark.law_pages import law_page
 from ev_sim.benchmark.result import BoardResult
+from ev_sim.benchmark.run_files import RUNS, write_runs
+from ev_sim.benchmark.step_times import step_times
 from ev_sim.benchmark.tables import CELL_COLUMNS, SCORE_COLUMNS, cell_rows, closed_division, score_rows
 from ev_sim.command_line.options import arguments, command_of
 from ev_sim.command_line.refusal import Parser
@@ -28,11 +32,14 @@ from ev_sim.figures.saving import save_figures
 from ev_sim.figures.sheets import drawn
 from ev_sim.recording.outcome import bar_of_runs
 from ev_sim.report.summary import versions, write_summary
-from ev_sim.report.tables import text_table, write_parquet
+from ev_sim.report.tables import text_table
 from ev_sim.running.output_folder import OutputFolder
+from ev_sim.study.workers import load_for, perform_jobs
 
 FIGURE = "board"
-FILES = ("board.json", "runs.json", "runs.parquet", f"{FIGURE}.png")
+PAGES = "laws.md"
+FILES = ("board.json", *RUNS, PAGES, f"{FIGURE}.png")
+RUNS_OF_A_JOB = 100  # or those of one law in a cell: about two seconds
 
 
 def run_benchmark(argv: Sequence[str]) -> None:
@@ -43,7 +50,7 @@ def run_benchmark(argv: Sequence[str]) -> None:
         raise ParameterError(f"--secret {quoted(given.secret)} is a board, allowed is no other one beside it")
     board, added = with_added(_asked(read_board(given.secret or given.board or "small"), given), given.add)
     laws = _laws(board, given.laws, added)
-    check_laws(board, added)
+    check_laws(board, laws, added)
     if given.drive:
         _drive_alone(board, given)
         return
@@ -51,32 +58,68 @@ def run_benchmark(argv: Sequence[str]) -> None:
         raise ParameterError(
             "--offline and --in-process are refused: a board is driven in batches, allowed with --drive"
         )
-    with OutputFolder(given.out or Path("results/benchmark"), "benchmark", FILES) as folder:
-        result = drive_board(board, given.cells, laws, given.threads, _words(given))
+    cells = board.cells(given.cells)
+    out = given.out or Path("results/benchmark")
+    kept = KeptCells(board, cells, laws, None if given.secret else out)
+    names = [] if given.secret else kept.files
+    with OutputFolder(out, "benchmark", [*FILES, *names], keeps=_kept(out, kept, given)) as folder:
+        before = _drive(board, kept, given.scheduler, given.workers)
+        result = BoardResult(board, laws, kept, _words(given), step_times(board, cells[0], laws))
         if not given.secret:
             print(text_table(CELL_COLUMNS, cell_rows(result), left=CELL_COLUMNS))
         for title, division in (("closed", closed_division(result)), ("open", result.laws)):
             if division:
                 print(f"\n{title} division")
                 print(text_table(SCORE_COLUMNS, score_rows(result, division), left=("law",)))
-        _write(folder.directory, result, command_of(["benchmark", *argv]), given)
+        _write(folder.directory, result, command_of(["benchmark", *argv]), given, added)
         if not given.no_report:
             save_figures(drawn({FIGURE: board_sheet(result)}), folder.directory)
-    runs = len(result.cells) * len(result.laws) * board.draws
     print(f"hash of all runs {result.hash}")
-    print(f"{runs} runs in {time.monotonic() - begin:.1f} s; scores, all runs and figure: {folder.directory}")
+    again = f", {before} of them driven before (--anew drives them again)" if before else ""
+    print(f"{len(cells) * len(laws) * board.draws} runs in {time.monotonic() - begin:.1f} s{again}")
+    print(f"scores, all runs and figure: {folder.directory}")
 
 
-def drive_board(
-    board: Board, pattern: str = "*", laws: Sequence[str] = (), threads: int | None = None, words: Sequence[str] = ()
-) -> BoardResult:
-    """Drive the cells that fit with some laws, all of the board if none is named; `words` are those of the command."""
-    chosen, cells, driven = laws or list(board.laws), board.cells(pattern), []
-    with bar_of_runs("benchmark", len(cells) * len(chosen) * board.draws) as bar:
-        for cell in cells:
-            driven.append(drive_cell(board, cell, chosen, threads))
-            bar.update(len(chosen) * board.draws)
-    return BoardResult(board, chosen, driven, words or ["benchmark", board.name])
+def drive_board(board: Board, pattern: str = "*", laws: Sequence[str] = ()) -> BoardResult:
+    """Drive the cells that fit with some laws, all if none is named, and keep what they give in memory."""
+    chosen = list(laws or board.laws)
+    cells = board.cells(pattern)
+    kept = KeptCells(board, cells, chosen)
+    _drive(board, kept)
+    return BoardResult(board, chosen, kept, ["benchmark", board.name], step_times(board, cells[0], chosen))
+
+
+def _drive(board: Board, kept: KeptCells, scheduler: str | None = None, workers: int | None = None) -> int:
+    """Drive what is missing, some laws in a cell at a time; how many runs were there already."""
+    missing = kept.missing()
+    if scheduler is None:
+        load_for(kept.runs)
+    jobs = [job for cell, laws in missing.items() for job in _jobs(board, cell, laws)]
+    total, to_drive = (sum(map(len, each)) * board.draws for each in (kept.laws_in_cells, missing.values()))
+    with bar_of_runs("benchmark", total, total - to_drive) as bar:
+
+        def keep(_: int, driven: DrivenCell) -> None:
+            kept.keep(driven)
+            bar.update(len(driven.metrics) * board.draws)
+
+        perform_jobs(drive_cell, jobs, keep, scheduler, workers, lambda _, cell, laws, __: f"{cell.id('*')}: {laws}")
+    return total - to_drive
+
+
+def _jobs(board: Board, cell: Cell, laws: Sequence[str]) -> Iterator[tuple[Board, Cell, Sequence[str], int]]:
+    """What `drive_cell` is called with, on one thread: as many laws as make a job that is worth preparing the cell."""
+    manoeuvre = board.manoeuvres[cell.manoeuvre]
+    of_law = board.draws * (1 + manoeuvre.halvings * bool(manoeuvre.searched))
+    count = max(RUNS_OF_A_JOB // of_law, 1)
+    for begin in range(0, len(laws), count):
+        yield board, cell, laws[begin : begin + count], 1
+
+
+def _kept(out: Path, kept: KeptCells, given: argparse.Namespace) -> list[str]:
+    """The files of earlier boards that are not driven anew."""
+    found = [f"{FOLDER}/{each.name}" for each in (out / FOLDER).glob("*.npz")]
+    anew = set(kept.files if given.anew else ())
+    return [each for each in found if kept.is_worth_keeping(each) and each not in anew]
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -95,7 +138,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--draws", type=int, metavar="N", help="of each cell, instead of those of the board")
     parser.add_argument("--seed", type=int, metavar="N", help="of the draws, instead of that of the board")
-    parser.add_argument("--threads", type=int, metavar="N", help="default: one per core")
+    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
+    parser.add_argument("--workers", type=int, metavar="N", help="worker processes here; default: one per core")
+    parser.add_argument("--anew", action="store_true", help="drive again what was driven before with this --out")
     parser.add_argument(
         "--drive", metavar="LAW:DRAW", help="one run of the only cell that fits, as a scenario, over DDS"
     )
@@ -136,7 +181,7 @@ def _words(given: argparse.Namespace) -> list[str]:
 
 
 def _asked(board: Board, given: argparse.Namespace) -> Board:
-    for name, least in (("draws", 1), ("seed", 0), ("threads", 1), ("held_out", 0)):
+    for name, least in (("draws", 1), ("seed", 0), ("workers", 1), ("held_out", 0)):
         if getattr(given, name) is not None and getattr(given, name) < least:
             option = f"--{name.replace('_', '-')} {getattr(given, name)}"
             raise ParameterError(f"{option} is refused, allowed is {least} or more")
@@ -155,7 +200,7 @@ def _laws(board: Board, names: str | None, added: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(asked))
 
 
-def _write(folder: Path, result: BoardResult, command: str, given: argparse.Namespace) -> None:
+def _write(folder: Path, result: BoardResult, command: str, given: argparse.Namespace, added: Sequence[str]) -> None:
     about = {"held_out": given.held_out, "versions": versions(), "command": command}
     if given.secret:
         digest = hashlib.sha256(read_data(Path(given.secret), TEXT)).hexdigest()
@@ -163,7 +208,7 @@ def _write(folder: Path, result: BoardResult, command: str, given: argparse.Name
         write_summary(folder / "board.json", kept | {"board_sha256": digest} | about)
         return
     write_summary(folder / "board.json", result.as_json() | about)
-    runs = result.runs()
-    write_summary(folder / "runs.json", {"runs": runs})
-    names = dict.fromkeys(name for run in runs for name in run)
-    write_parquet(folder / "runs.parquet", {name: [run.get(name) for run in runs] for name in names})
+    write_runs(folder, result)
+    order = [*added, *(law for law in result.laws if law not in (*added, result.board.reference))]
+    pages = [law_page(result, law) for law in order]
+    (folder / PAGES).write_text("\n".join([f"# Laws on the board {result.board.name}\n", *pages]), encoding="utf-8")

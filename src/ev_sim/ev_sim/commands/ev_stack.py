@@ -9,6 +9,8 @@ from importlib import import_module
 from importlib.metadata import version
 
 from ev_core.nodes.stop_request import (
+    KEPT,
+    end,
     end_stopped,
     interrupt,
     interrupt_destructors,
@@ -70,6 +72,9 @@ def main() -> None:
         end_stopped()
     finally:
         turn_deaf()
+        error = sys.exception()
+        if KEPT and (error is None or isinstance(error, SystemExit)):
+            end(error.code if error else None)
 
 
 def perform(words: Sequence[str]) -> None:

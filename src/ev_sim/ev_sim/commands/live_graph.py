@@ -15,6 +15,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.validate_namespace import validate_namespace
 
 from ev_core.nodes.stop_request import StopRequest
+from ev_core.run_role import leave_graph
 from ev_msgs_py.refusal import LINE, shown
 from ev_msgs_py.wire import message_class
 from ev_sim.command_line.refusal import Parser, refuse
@@ -147,6 +148,7 @@ def visualize(argv: list[str]) -> None:
                     rear_is_steered = "rear_steering" in controls.nodes
                     views.publish(frames.recording, CarViews(node.get_namespace(), frames.vehicle, rear_is_steered))
                 time.sleep(_VIEW_PERIOD)
+            leave_graph(node)
         finally:
             rclpy.try_shutdown()
     print(f"{_VISUALIZATION}: stopped" if stop.received else f"{_VISUALIZATION}: the run has ended")

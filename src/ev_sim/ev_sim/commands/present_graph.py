@@ -12,6 +12,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from ev_core.nodes.signal_io import NAMELESS
+from ev_core.run_role import leave_graph
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.domain import free_domain, reserved_domains
@@ -47,10 +48,13 @@ def in_the_graph(name: str) -> Iterator[Node]:
     rclpy.init(domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = Node(name, start_parameter_services=False, enable_rosout=False)
-        if not _found(node):
-            others = ", ".join(map(str, reserved_domains())) or "none"
-            raise LookupError(f"no nodes are running in ROS domain {domain}; runs are under way in: {others}")
-        yield node
+        try:
+            if not _found(node):
+                others = ", ".join(map(str, reserved_domains())) or "none"
+                raise LookupError(f"no nodes are running in ROS domain {domain}; runs are under way in: {others}")
+            yield node
+        finally:
+            leave_graph(node)
     finally:
         rclpy.try_shutdown()
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -15,6 +17,7 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.serialization import deserialize_message
 from rclpy.task import Future
+from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
 from ev_core.nodes import ros_parameters
@@ -215,8 +218,14 @@ def topics_of(node: Node) -> dict[str, str]:
     return {name: types[0] for name, types in sorted(node.get_topic_names_and_types()) if name not in _ROS_OWN}
 
 
+_SILENCE = 2.0  # s of wall time without a message that are reported
+
+
 def messages(node: Node, name: str) -> Iterator[str]:
-    """The messages of a topic as they come, as YAML; LookupError if there is no such topic, or no package for it."""
+    """The messages of a topic as they come, as YAML; LookupError if there is no such topic, or no package for it.
+
+    Where none comes, one line on standard error tells whether simulated time goes on.
+    """
     there = topics_of(node)
     if name not in there:
         raise LookupError(f"no topic {quoted(name)}; known: {', '.join(there) or 'none'}")
@@ -224,12 +233,21 @@ def messages(node: Node, name: str) -> Iterator[str]:
         kind = message_class(there[name])
     except ImportError:
         raise LookupError(f"{name} cannot be read: {there[name].partition('/')[0]} is not installed") from None
-    subscription = node.create_subscription(kind, name, lambda message: None, 10, raw=True)
+    take = node.create_subscription(kind, name, lambda message: None, 10, raw=True).handle.take_message
+    take_clock = node.create_subscription(Clock, "/clock", lambda message: None, 10, raw=True).handle.take_message
+    report_at, times = time.monotonic() + _SILENCE, set[bytes]()
     while True:
-        if (taken := subscription.handle.take_message(kind, True)) is None:
-            time.sleep(0.01)
-        else:
+        if (taken := take(kind, True)) is not None:
             yield as_yaml(plain_message(deserialize_message(taken[0], kind)))
+            report_at, times = time.monotonic() + _SILENCE, set()
+            continue
+        time.sleep(0.01)
+        while (taken := take_clock(Clock, True)) is not None:
+            times.add(taken[0])
+        if time.monotonic() > report_at:
+            report_at = math.inf
+            goes_on = "goes on" if len(times) > 1 else "stands still, in a paused run until ev-stack resume or step"
+            print(f"{name}: no message within {_SILENCE:g} s; simulated time {goes_on}", file=sys.stderr)
 
 
 def plain_message(message: Any) -> Any:

@@ -1,4 +1,4 @@
-"""The command scripts/run.sh tune: the parameters of a law by CMA-ES on a board (docs/benchmark.md).
+"""The command scripts/run.sh tune: the parameters of laws by CMA-ES on a board (docs/benchmark.md).
 
 It raises what `ev_sim.commands.run_scenario.main` catches.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import csv
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,9 +16,9 @@ from ev_core.lockstep.finding import is_code
 from ev_core.parameters.data_file import TEXT, read_data
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.added import check_laws, with_added
-from ev_sim.benchmark.board import COSTS, Board, read_board
-from ev_sim.benchmark.driving import ROLE
-from ev_sim.benchmark.tuning import Training, free_parameters, tune
+from ev_sim.benchmark.board import COSTS, Board, Cell, by_role, read_board
+from ev_sim.benchmark.driving import DrivenCell, drive_cell
+from ev_sim.benchmark.held_out import with_cases
 from ev_sim.command_line.options import command_of
 from ev_sim.command_line.refusal import Parser
 from ev_sim.measured.journal import Journal
@@ -26,87 +26,130 @@ from ev_sim.recording.outcome import bar_of_runs
 from ev_sim.recording.recording import atomic_file
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.study.kept_rows import digest_of_sources
+from ev_sim.tuning.free import Free, free_parameters
+from ev_sim.tuning.search import Candidate, chosen, search
+from ev_sim.tuning.training import Training
 
+ALL = "all"
 HISTORY, JOURNAL = "history.csv", "search.journal"
+References = dict[str, tuple[Board, list[DrivenCell]]]
 
 
 def run_tune(argv: Sequence[str]) -> None:
-    """Tune a law with a budget of candidates, and write its parameters and the history of the search."""
+    """Tune laws with a budget of candidates each, and write their parameters and the histories of the searches."""
     given = _parser().parse_args(argv)
-    for name, least in (("draws", 1), ("seed", 0), ("threads", 1), ("budget", 2)):
+    for name, least in (("draws", 1), ("seed", 0), ("threads", 1), ("budget", 2), ("finalists", 1)):
         if getattr(given, name) is not None and getattr(given, name) < least:
             raise ParameterError(f"--{name} {getattr(given, name)} is refused, allowed is {least} or more")
-    board, name = _with_law(replace(read_board(given.board), draws=given.draws, seed=given.seed), given.law)
-    cells = [cell for cell in board.cells(given.cells) if not board.manoeuvres[cell.manoeuvre].entry_speed]
-    if not cells:
-        raise ParameterError("--cells leaves none to tune on: entry speeds are not tuned for")
-    result = f"{name}_tuned.yaml"
-    with OutputFolder(
-        given.out or Path("results/tune") / name, "tune", (result, HISTORY, JOURNAL), keeps=[JOURNAL]
-    ) as f:
-        training = Training(board, cells, name, given.cost, given.threads)
-        free = free_parameters(board, name, training.configuration, given.free.split(","))
-        journal = Journal(f.directory / JOURNAL, _key(board, given))
-        history = []
-        with bar_of_runs("tune", given.budget * training.runs) as bar:
-            for values, cost in tune(training, free, given.budget, given.seed, journal.answer):
-                history.append((values, cost))
-                bar.update(training.runs)
-        values, cost = min(history, key=lambda each: each[1])
-        print(f"{given.cost} cost on the training runs: {history[0][1]:.4f} before, {cost:.4f} tuned; 1: equal torques")
-        for each in free:
-            print(f"  {each.name:40} {each.start:.6g} -> {values[each.name]:.6g}")
-        _write(f.directory / result, values, history[0][1], cost, command_of(["tune", *argv]))
-        _write_history(f.directory / HISTORY, history)
+    board = replace(read_board(given.board), draws=given.draws)
+    laws = list(board.tuned) if given.laws == [ALL] else given.laws
+    board, added = with_added(board, [law for law in laws if law not in board.laws])
+    names = list(board.tuned) if given.laws == [ALL] else [*(law for law in laws if law in board.laws), *added]
+    check_laws(board, names, added)
+    driven = _references(board, given)
+    journals = []
+    for law, name in zip(laws, names, strict=True):
+        of = given.out or Path("results/tune")
+        folder = of / name if len(laws) > 1 or not given.out else of
+        journals.append(_tune(board, law, name, folder, driven, given, command_of(["tune", *argv])))
+    for journal in journals:  # up to here a command that was stopped finds all of them
         journal.remove()
-    if journal.taken:
-        print(f"went on behind {journal.taken} generations of a search that was stopped")
-    print(f"{len(history)} candidates of {training.runs} runs; parameters: {f.directory / result}")
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = Parser(prog="run.sh tune", description="scripts/run.sh tune: a law's parameters by CMA-ES on a board.")
-    parser.add_argument("law", help="a law of the board, a method, or my_law.py[:NAME]")
+    parser = Parser(prog="run.sh tune", description="scripts/run.sh tune: parameters of laws by CMA-ES on a board.")
     parser.add_argument(
-        "--free", default="*", metavar="NAME,NAME", help="numbers of the law, such as 'pi.*'; all of them"
+        "laws", nargs="+", help=f"laws of the board, methods, my_law.py[:NAME]; {ALL}: those that the board has tuned"
+    )
+    parser.add_argument(
+        "--free", metavar="NAME,NAME", help="numbers of a law, such as 'pi.*'; default: those of the board, or all"
     )
     parser.add_argument("--board", default="small", metavar="NAME", help="or its path; default: %(default)s")
     parser.add_argument("--cells", default="*", metavar="ID", help="training runs: those of which the ids fit")
     parser.add_argument("--draws", type=int, default=2, metavar="N", help="of each cell; default: %(default)s")
     parser.add_argument("--seed", type=int, default=1000, metavar="N", help="of draws and search; default: %(default)s")
-    parser.add_argument("--budget", type=int, default=200, metavar="N", help="candidates; default: %(default)s")
+    parser.add_argument("--budget", type=int, default=40, metavar="N", help="candidates; default: %(default)s")
+    parser.add_argument(
+        "--finalists", type=int, default=5, metavar="N", help="candidates that validation chooses among; %(default)s"
+    )
     parser.add_argument("--cost", choices=COSTS, default=COSTS[0], help="default: %(default)s")
     parser.add_argument("--threads", type=int, metavar="N", help="default: one per core")
     parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/tune/LAW")
     return parser
 
 
-def _with_law(board: Board, law: str) -> tuple[Board, str]:
-    if law in board.laws:
-        return board, law
-    board, (name,) = with_added(board, [law])
-    check_laws(board, [name])
-    return board, name
+def _references(board: Board, given: argparse.Namespace) -> References:
+    """The boards of training and validation by name, and the runs of the reference on each of their cells."""
+    training = with_cases(board, "training", given.seed)
+    cells = [cell for cell in training.cells(given.cells) if not board.manoeuvres[cell.manoeuvre].searched]
+    if not cells:
+        raise ParameterError("--cells leaves none to tune on: entry speeds are not tuned for")
+    kept = {(cell.manoeuvre, cell.road) for cell in cells}
+    validation = with_cases(board, "validation", given.seed + 1)
+    others = [cell for cell in validation.cells() if (cell.manoeuvre, cell.road) in kept]
+    sets: dict[str, tuple[Board, list[Cell]]] = {"training": (training, cells), "validation": (validation, others)}
+    return {
+        name: (of, [drive_cell(of, cell, [of.reference], given.threads) for cell in each])
+        for name, (of, each) in sets.items()
+    }
 
 
-def _key(board: Board, given: argparse.Namespace) -> str:
+def _tune(
+    board: Board, law: str, name: str, out: Path, driven: References, given: argparse.Namespace, command: str
+) -> Journal:
+    result = f"{name}_tuned.yaml"
+    with OutputFolder(out, "tune", (result, HISTORY, JOURNAL), keeps=[JOURNAL]) as folder:
+        training, validation = (
+            Training(replace(of, laws=board.laws), name, runs, given.cost, given.threads)
+            for of, runs in driven.values()
+        )
+        patterns = given.free.split(",") if given.free else board.tuned.get(name, ["*"])
+        free = free_parameters(name, training.configurations, patterns)
+        journal = Journal(folder.directory / JOURNAL, _key(board, law, name, patterns, given))
+        history, more = [], min(given.finalists + 1, given.budget) * validation.runs
+        with bar_of_runs(f"tune {name}", given.budget * training.runs + more) as bar:
+            for candidate in search(training, free, given.budget, given.seed, journal.answer):
+                history.append(candidate)
+                bar.update(training.runs)
+            best, cost, before = chosen(history, validation, free, given.finalists, journal.answer)
+            bar.update(more)
+        lines = [
+            command,
+            f"{given.cost} in {training.runs} training runs {history[0].cost:.4f}, tuned {best.cost:.4f}",
+            f"{given.cost} in {validation.runs} validation runs {before:.4f}, tuned {cost:.4f}",
+        ]
+        print("\n".join([f"law {name}", *lines[1:]]))
+        for each in free:
+            print(f"  {each.name:40} {each.start:.6g} -> {best.values[each.name]:.6g}")
+        _write(folder.directory / result, free, best, lines)
+        _write_history(folder.directory / HISTORY, history)
+    if journal.taken:
+        print(f"went on behind {journal.taken} generations of a search that was stopped")
+    print(f"{len(history)} candidates of {training.runs} runs; parameters: {folder.directory / result}")
+    return journal
+
+
+def _key(board: Board, law: str, name: str, patterns: Sequence[str], given: argparse.Namespace) -> str:
     """A digest of all that the costs depend on but the candidates."""
-    file = given.law.partition(":")[0]
-    text = read_data(Path(file), TEXT) if is_code(given.law) else b""
-    choices = (digest_of_sources(), board, given.law, given.free, given.cells, given.cost)
+    file = law.partition(":")[0].partition("=")[0]
+    text = read_data(Path(file), TEXT) if is_code(law) else b""
+    others = replace(board, laws={each: board.laws[each] for each in (board.reference, name)}, tuned={})
+    choices = (digest_of_sources(), others, patterns, given.cells, given.cost, given.seed)
     return hashlib.sha256(repr(choices).encode() + text).hexdigest()
 
 
-def _write(path: Path, values: Mapping[str, float], before: float, after: float, command: str) -> None:
-    """A parameter file; the numbers are as exact as they were driven."""
-    lines = [f"# {command}", f"# cost on the training runs {before:.6f} before, {after:.6f} tuned"]
-    lines += [f"/**/{ROLE}:", "  ros__parameters:", *(f"    {name}: {value!r}" for name, value in values.items())]
+def _write(path: Path, free: Sequence[Free], best: Candidate, lines: Sequence[str]) -> None:
+    """A parameter file; the numbers are as exact as they were driven, and beside them is what they were before."""
+    text, before = [f"# {line}" for line in lines], by_role({each.name: each.start for each in free})
+    for role, values in by_role(best.values).items():
+        rows = [f"    {name}: {value!r}    # before: {before[role][name]:g}" for name, value in values.items()]
+        text += [f"/**/{role}:", "  ros__parameters:", *rows] if rows else []
     with atomic_file(path) as file:
-        file.write("\n".join([*lines, ""]).encode())
+        file.write("\n".join([*text, ""]).encode())
 
 
-def _write_history(path: Path, history: Sequence[tuple[Mapping[str, float], float]]) -> None:
+def _write_history(path: Path, history: Sequence[Candidate]) -> None:
     with path.open("w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(["candidate", "cost", *history[0][0]])
-        writer.writerows([n, cost, *values.values()] for n, (values, cost) in enumerate(history))
+        writer.writerow(["candidate", "cost", *history[0].values])
+        writer.writerows([n, each.cost, *each.values.values()] for n, each in enumerate(history))

@@ -17,25 +17,28 @@ from ev_core.lockstep.configuration import Configuration
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.measures import handling, motion
-from ev_sim.measures.metric import LOWER, Metric, NotMeasured, channel, metric
+from ev_sim.courses.course import CourseParameters
+from ev_sim.measures import handling, laps, motion
+from ev_sim.measures.metric import HIGHER, LOWER, Metric, NotMeasured, channel, metric
 from ev_sim.recording.offline import written_topics
 from ev_sim.recording.recording import Recording
 from ev_sim.surfaces import RoadParameters, Surface, left_and_right
 
 
 class DrivenRun(NamedTuple):
-    """What a metric is computed from: the true motion, the car, and the surfaces that lie on its road."""
+    """What a metric is computed from: the true motion, the car, the surfaces on its road, and a closed course."""
 
     signals: Recording
     vehicle: Vehicle
     surfaces: tuple[Surface, ...] = ()
+    course: CourseParameters | None = None
 
 
 def driven_run(signals: Recording, configurations: Mapping[str, Configuration]) -> DrivenRun:
     """A run of these configurations; `signals` is its true motion."""
-    plant = configurations[MASTER]
-    return DrivenRun(signals, plant.common.vehicle, surfaces_of(getattr(plant.given, "road", None)))
+    plant, driver = configurations[MASTER], configurations.get("driver")
+    surfaces = surfaces_of(getattr(plant.given, "road", None))
+    return DrivenRun(signals, plant.common.vehicle, surfaces, getattr(driver and driver.given, "course", None))
 
 
 def surfaces_of(road: RoadParameters | None) -> tuple[Surface, ...]:
@@ -93,13 +96,26 @@ def _torque_activity(run: Recording) -> float:
     return float(np.abs(np.diff(commands)).sum()) / run.duration
 
 
-def _friction_use(run: Recording) -> float:
+def _friction(run: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Force of each tyre, and what friction gives it at most, (4, n) each [N]."""
     force, across, load, friction = (
         handling.of_wheels(run, f"tire_forces.{of}")
         for of in ("longitudinal_force", "lateral_force", "load", "friction_coefficient")
     )
-    available = load * friction
-    return float(np.divide(np.hypot(force, across), available, where=available > 0.0, out=0.0 * available).max())
+    return np.hypot(force, across), load * friction
+
+
+def _friction_use(run: Recording) -> float:
+    force, available = _friction(run)
+    return float(np.divide(force, available, where=available > 0.0, out=0.0 * available).max())
+
+
+def _friction_use_of_car(run: Recording) -> np.ndarray:
+    moves = motion.moving(run)
+    if not moves.any():
+        raise NotMeasured("the car does not move")
+    force, available = (each.sum(axis=0)[moves] for each in _friction(run))
+    return force / np.maximum(available, 1.0)
 
 
 _TWIST, _ANGLE = "twist.", motion.ROAD_WHEEL_ANGLE
@@ -154,6 +170,29 @@ _OF_ANY_RUN = (
     NamedMetric(
         "friction_use", "1", "max hypot(F_x, F_y)/(mu F_z) of any wheel", lambda run: _friction_use(run.signals),
         (*_FORCES, "tire_forces.load.", _FRICTION), LOWER,
+    ),
+    NamedMetric(
+        "mean_friction_use", "1", "mean of sum hypot(F_x, F_y)/sum mu F_z of all wheels while the car moves",
+        lambda run: _friction_use_of_car(run.signals).mean(), (_TWIST, *_FORCES, "tire_forces.load.", _FRICTION),
+        HIGHER,
+    ),
+    NamedMetric(
+        "high_friction_use", "1", "95th percentile of sum hypot(F_x, F_y)/sum mu F_z while the car moves",
+        lambda run: np.percentile(_friction_use_of_car(run.signals), 95.0),
+        (_TWIST, *_FORCES, "tire_forces.load.", _FRICTION), HIGHER,
+    ),
+    NamedMetric(
+        "lap_time", "s", "shortest time from crossing the line of a closed course to crossing it again, on the road",
+        lambda run: laps.lap_times(run.signals, run.vehicle, run.course).min(), ("pose.",), LOWER,
+    ),
+    NamedMetric(
+        "path_error", "m", "rms distance of the centre of mass from the racing line in all whole laps",
+        lambda run: laps.path_error(run.signals, run.vehicle, run.course), ("pose.",), LOWER,
+    ),
+    NamedMetric(
+        "peak_winding_temperature", "degC", "max of the windings of all motors",
+        lambda run: handling.of_wheels(run.signals, "motor_temperatures.winding").max(),
+        ("motor_temperatures.winding.",), LOWER,
     ),
     NamedMetric(
         "slip_energy", "J", "integral of tyre force times slip speed, along and across, all wheels",

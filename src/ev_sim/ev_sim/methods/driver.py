@@ -1,3 +1,3 @@
 """Registers the drivers."""
 
-from ev_sim.driver import followers, pedals, preview_driver, urban_drivers  # noqa: F401
+from ev_sim.driver import followers, lap_driver, pedals, preview_driver, urban_drivers  # noqa: F401

@@ -41,7 +41,7 @@ def write_tables(
     """
     texts = {
         "csv": _csv(columns, rows),
-        "md": _markdown(columns, rows),
+        "md": markdown_table(columns, rows),
         "tex": latex_table(columns, rows, digits, best),
     }
     for suffix, text in texts.items():
@@ -81,7 +81,8 @@ def _csv(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
     return text.getvalue()
 
 
-def _markdown(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
+def markdown_table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
+    """A table in Markdown; bars in cells are escaped."""
     lines = [columns, ["---"] * len(columns), *([cell(value) for value in row] for row in rows)]
     return "".join(f"| {' | '.join(each.replace('|', '&#124;') for each in line)} |\n" for line in lines)
 

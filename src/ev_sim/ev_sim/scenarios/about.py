@@ -91,7 +91,9 @@ class ScenarioParameters:
     duration: float = setting(10.0, unit="s", low=0.01, high=LONGEST, about="simulated time of every run")
     runs: tuple[str, ...] = setting((), about="names of the runs, if there are several")
     slow_ramp: SlowRampParameters = group(SlowRampParameters)
-    report: str = setting("", about="scenario whose metrics and figures it gets; empty for that of its own name")
+    report: str = setting(
+        "", about="scenario whose metrics and figures it gets; empty for its own, and with a course for that of courses"
+    )
     metrics: tuple[str, ...] = setting(
         (), about="metrics besides those of its report: names of docs/metrics.md, or NAME [UNIT] = EXPRESSION"
     )
@@ -106,6 +108,15 @@ class ScenarioParameters:
                     f"runs: {quoted(str(name))} is refused, allowed are different names of up to {_LONGEST} letters, "
                     "digits and underscores, the first one no digit"
                 )
+
+
+_OF_COURSES = "double_lane_change"  # measures and draws any course
+
+
+def report_of(name: str, about: ScenarioParameters) -> str:
+    """Whose metrics and figures a scenario of this name gets."""
+    has_its_own = bool(about.report) or name in offered(REPORTS) or not about.course.begin
+    return (about.report or name) if has_its_own else _OF_COURSES
 
 
 def describe_scenario(name: str) -> str:

@@ -21,6 +21,7 @@ from ev_sim.scenarios.about import (
     VEHICLE,
     ScenarioParameters,
     configured_file,
+    report_of,
     said_by,
     vehicle_file,
     with_metrics,
@@ -146,7 +147,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
             as_it_is = _run(run_name, of_file, about.duration, about)
             run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
             notes += [note] if note else []
-        runs.append(replace(run, report=about.report or name, metrics=about.metrics, course=about.course))
+        runs.append(replace(run, report=report_of(name, about), metrics=about.metrics, course=about.course))
     refuse_unused_values(overrides.values, runs)
     _refuse_unfollowed_speed(overrides.all_values, runs)
     notes += notes_on(files, runs, overrides, whole=not only)
@@ -188,6 +189,11 @@ def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[
 def _refuse_unfollowed_speed(changed: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
     """ParameterError for a speed over time, or a cycle, where no driver ever follows one."""
     names = [key for node, key, _ in changed if node in ("*", "driver") and key.startswith("speed_profile.")]
+    drivers = [run.configurations["driver"] for run in runs]
+    if names and not any("speed_profile.time" in driver.values() for driver in drivers):
+        raise ParameterError(
+            f"driver.{names[0]} is refused: driver method {drivers[0].method.name} follows no speed over time"
+        )
     if names and not any(map(_follows_a_speed, runs)):
         raise ParameterError(
             f"driver.{names[0]} is refused: the driver goes by the pedals from the start on, "

@@ -11,7 +11,7 @@ import dataclasses
 import hashlib
 import json
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -81,22 +81,28 @@ def case_key(case: Case) -> str:
     """A digest of the content of a case, whatever its name."""
     files = [str(file) for file in case.files]
     content = (case.scenario, case.values, case.run, files, case.duration, case.vehicle, case.metrics)
-    return _short(repr(content))
+    return short_digest(content)
 
 
 def row_key(study: str, case: Case) -> str:
-    """A digest of all that what a study measures on a case depends on, but for `digest_of_sources`.
+    """A digest of all that what a study measures on a case depends on, but for `digest_of_sources`; as `run_key`."""
+    key, _ = run_key(lambda: run_of(case), study)
+    return key
 
-    It is of the run with all its values, the names and texts of the files that were read for it, and the texts of the
-    methods that are not ours. ParameterError if the case is refused, ValueError if a law refuses its vehicle.
+
+def run_key(make: Callable[[], Run], *choices: object) -> tuple[str, Run]:
+    """A digest of choices and of all that driving a run depends on, but for `digest_of_sources`; and the run.
+
+    It is of the run that is made, with all its values, the names and texts of the files that were read for it, and the
+    texts of the methods that are not ours. ParameterError if it is refused, ValueError if a law refuses its vehicle.
     """
     with files_read() as files:
-        run = run_of(case)
+        run = make()
         for configuration in run.configurations.values():
             configuration.create()
     roles = {role: (_text_of(each.method), each.values()) for role, each in run.configurations.items()}
     read = sorted((Path(name).name, digest) for name, digest in files.items())
-    return _short(repr((study, run.name, run.duration, run.report, run.metrics, run.course, roles, read)))
+    return short_digest((*choices, run.name, run.duration, run.report, run.metrics, run.course, roles, read)), run
 
 
 def _text_of(method: Method) -> str:
@@ -114,8 +120,9 @@ def digest_of_sources(without: Sequence[str] = NEVER_DRIVES, config: bool = Fals
     return _digest(repr(sorted(versions().items())), [*_sources(without), *(_config() if config else ())])
 
 
-def _short(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()[:_LENGTH]
+def short_digest(content: object) -> str:
+    """Some digits that change with what is written of a content."""
+    return hashlib.sha256(repr(content).encode()).hexdigest()[:_LENGTH]
 
 
 def _digest(head: str, files: Iterable[tuple[str, Path]]) -> str:

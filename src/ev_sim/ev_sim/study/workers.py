@@ -1,7 +1,7 @@
-"""Drive the cases of a study on worker processes: those of this machine, or of a dask scheduler elsewhere.
+"""Cases of a study, and other jobs, on worker processes: those of this machine, or of a dask scheduler elsewhere.
 
-Here they are forked when all that a case needs is loaded, so that they begin at once; a pool of the library ends as a
-whole with one lost worker and does not name its case, and a dask cluster of this machine loads all of it anew.
+Here they are forked when all that a job needs is loaded, so that they begin at once; a pool of the library ends as a
+whole with one lost worker and does not name its job, and a dask cluster of this machine loads all of it anew.
 """
 
 from __future__ import annotations
@@ -12,13 +12,14 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ev_sim.recording.offline import load_compiled, run_offline
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.summary import versions
 from ev_sim.running.beforehand import compile_for
 from ev_sim.running.children import Worker, WorkerLost
+from ev_sim.scenarios.scenario import Run
 from ev_sim.study.kept_rows import digest_of_sources
 from ev_sim.study.study import Case, CaseResult, Measure, drive_case, run_of
 
@@ -26,22 +27,45 @@ if TYPE_CHECKING:
     from distributed import Client
 
 _PATIENCE = 60.0  # s for a scheduler to answer and for its first worker to join
+_LOSSES = 3  # of workers with the same job, which then is given up
+
+Perform = Callable[..., Any]
+Job = tuple[Any, ...]  # what it is performed with
+Done = Callable[[int, Any], None]
 
 
-Job = tuple[Case, Measure]
-Progress = Callable[[CaseResult], None]
+def perform_jobs(
+    perform: Perform,
+    jobs: Sequence[Job],
+    done: Done,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    name: Callable[..., str] = str,
+) -> None:
+    """Perform jobs; `done` is called with number and result of each as it comes, and nothing else is kept of it.
+
+    `scheduler` is the address of a running scheduler (tcp://HOST:PORT); without it `workers` processes (as many as
+    there are cores) live on this machine until the end. The job of a worker that is lost is performed again by another
+    one. RunFailed if a job, by its `name`, loses all its workers, if there is no such scheduler, if it has no workers,
+    or if one computes with other versions or sources.
+    """
+    if scheduler is not None:
+        _perform_on_cluster(perform, jobs, done, scheduler)
+    else:
+        _perform_here(perform, jobs, done, workers or len(os.sched_getaffinity(0)), name)
 
 
-def _drive_on_cluster(jobs: Sequence[Job], progress: Progress, scheduler: str) -> list[CaseResult]:
+def _perform_on_cluster(perform: Perform, jobs: Sequence[Job], done: Done, scheduler: str) -> None:
     from distributed import as_completed  # dask is slow to import
 
     with _client(scheduler) as client:
         refuse_others(client)
-        # dask would drive the same case once only and take the rest from its cache; here each one is driven.
-        futures = client.map(drive_case, *zip(*jobs, strict=True), pure=False)
-        for _, result in as_completed(futures, with_results=True):
-            progress(result)
-        return client.gather(futures)
+        # dask would perform the same job once only and take the rest from its cache; here each one is performed.
+        futures = client.map(perform, *zip(*jobs, strict=True), pure=False)
+        numbers = {future.key: number for number, future in enumerate(futures)}
+        for future, result in as_completed(futures, with_results=True):
+            done(numbers[future.key], result)
+            future.release()  # its worker need not keep the result any more
 
 
 @contextmanager
@@ -73,27 +97,29 @@ def refuse_others(client: Client) -> None:
             raise RunFailed(f"worker {worker} has other sources or config files, allowed are those of here")
 
 
-_LOSSES = 3  # of workers with the same case, which then is given up
-
-
 def drive_cases(
     cases: Sequence[Case],
     measure: Measure | Sequence[Measure],
-    progress: Progress = lambda result: None,
+    progress: Callable[[CaseResult], None] = lambda result: None,
     scheduler: str | None = None,
     workers: int | None = None,
 ) -> list[CaseResult]:
     """The results of all cases, in their order, whatever the number of workers; `progress` is called with each one.
 
-    `measure` is one function for all cases, or one for each of them. `scheduler` is the address of a running scheduler
-    (tcp://HOST:PORT); without it `workers` processes (as many as there are cores) live on this machine until the end.
-    The case of a worker that is lost is driven again by another one. RunFailed if a case loses all its workers, if
-    there is no such scheduler, if it has no workers, or if one computes with other versions or sources.
+    `measure` is one function for all cases, or one for each of them. `scheduler` and `workers`, and what is raised, are
+    those of `perform_jobs`.
     """
     jobs = [*zip(cases, [measure] * len(cases) if callable(measure) else measure, strict=True)]
-    if scheduler is not None:
-        return _drive_on_cluster(jobs, progress, scheduler)
-    return _drive_here(jobs, progress, workers or len(os.sched_getaffinity(0)))
+    results: dict[int, CaseResult] = {}
+
+    def done(number: int, result: CaseResult) -> None:
+        results[number] = result
+        progress(result)
+
+    if scheduler is None:
+        _load(cases)
+    perform_jobs(drive_case, jobs, done, scheduler, workers, lambda case, _: case.name)
+    return [results[number] for number in range(len(jobs))]
 
 
 _SAMPLE = 1.0  # s of simulated time that tell how fast a case is
@@ -122,28 +148,26 @@ def estimated_time(cases: Sequence[Case], workers: int | None = None) -> float:
     return 0.0
 
 
-def _drive_here(jobs: Sequence[Job], progress: Progress, count: int) -> list[CaseResult]:
-    _load([case for case, _ in jobs])
-    results: dict[int, CaseResult] = {}
+def _perform_here(perform: Perform, jobs: Sequence[Job], done: Done, count: int, name: Callable[..., str]) -> None:
     waiting = list(reversed(range(len(jobs))))
     losses = [0] * len(jobs)
     busy: list[Worker] = []
     try:
         while waiting or busy:
             while waiting and len(busy) < count:
-                busy.append(Worker(lambda number: drive_case(*jobs[number])))
+                busy.append(Worker(lambda number: perform(*jobs[number])))
                 busy[-1].begin(waiting.pop())
             for worker in wait(busy):
                 number = worker.number
                 try:
-                    results[number] = worker.result()
+                    result = worker.result()
                 except WorkerLost:
                     losses[number] += 1
                     if losses[number] == _LOSSES:
-                        raise RunFailed(f"{jobs[number][0].name}: {_LOSSES} workers were lost with it") from None
+                        raise RunFailed(f"{name(*jobs[number])}: {_LOSSES} workers were lost with it") from None
                     waiting.append(number)
                 else:
-                    progress(results[number])
+                    done(number, result)
                     if waiting:
                         worker.begin(waiting.pop())
                         continue
@@ -152,7 +176,6 @@ def _drive_here(jobs: Sequence[Job], progress: Progress, count: int) -> list[Cas
     finally:
         for worker in busy:
             worker.end()
-    return [results[number] for number in range(len(jobs))]
 
 
 def _load(cases: Sequence[Case]) -> None:
@@ -162,6 +185,11 @@ def _load(cases: Sequence[Case]) -> None:
     for case in alike.values():
         with suppress(ValueError):  # a case that is refused comes back as refused when it is driven
             runs.append(run_of(case))
+    load_for(runs)
+
+
+def load_for(runs: Sequence[Run]) -> None:
+    """Compile what runs need, and load the code of the first one, for all workers that are forked then."""
     compile_for(runs, in_nodes=False)
     for run in runs[:1]:
         with suppress(ValueError):

@@ -79,7 +79,7 @@ def windows_of(record: MeasuredRecord, length: float, begin: float = 0.0, end: f
     if not first:
         begin, end = (round(share * len(record.valid)) * record.period for share in (begin, end))
         where = f"from {begin:.1f} s to {end:.1f} s of {record.source}"
-        raise ParameterError(f"no window of {length:g} s without a gap {where}, allowed is a shorter --window, or more")
+        raise ParameterError(f"no window of {length:g} s without a gap {where}, allowed is a shorter --window")
     return Windows(np.array(first), size)
 
 

@@ -1,0 +1,126 @@
+"""What a board has driven, a file for each law in each cell: memory stays flat, and a stopped board goes on."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ev_sim.benchmark.board import Board, Cell
+from ev_sim.benchmark.driving import DrivenCell, law_of, run_of, values_of
+from ev_sim.recording.recording import atomic_file
+from ev_sim.scenarios.scenario import Run
+from ev_sim.study.kept_rows import digest_of_sources, run_key, short_digest
+
+FOLDER = "driven"
+Part = Mapping[str, np.ndarray]  # of a law in a cell
+_METRIC, _CLEAN, _HASHES, _COMMANDS = "metric ", "clean", "hashes", "commands"
+
+
+class KeptCells(Sequence[DrivenCell]):
+    """The cells of a board as some laws have driven them, each read when it is asked for.
+
+    The name of a file is a digest of all that its numbers depend on, behind that of our sources. `runs` are some with
+    all methods that drive. Without a folder everything is kept in memory. ParameterError for what the file of the board
+    gets wrong.
+    """
+
+    def __init__(self, board: Board, cells: Sequence[Cell], laws: Sequence[str], folder: Path | None = None) -> None:
+        self._cells, self._laws, self._folder = cells, laws, folder
+        self._memory: dict[str, Part] = {}
+        self.runs: list[Run] = []
+        self._sources = digest_of_sources(config=True)
+        self._names = dict(self._named(board))
+
+    def _named(self, board: Board) -> Iterator[tuple[tuple[Cell, str], str]]:
+        """The file of each law in each cell. What is not of both stays in the digest, so that nothing is forgotten."""
+        others = replace(board, name="", cars=[], scales={}, reference="", closed=[], tuned={})
+        others = replace(others, training=None, validation=None, held_out=None)
+        of_runs: dict[tuple[str, str], str] = {}
+        of_laws: dict[tuple[str, str], str] = {}
+        for cell in self._cells:
+            if (cell.car, cell.manoeuvre) not in of_runs:
+                of_runs[cell.car, cell.manoeuvre], base = self._key_of(
+                    lambda cell=cell: run_of(board, cell, values_of(board, cell))
+                )
+            for law in self._laws:
+                if (cell.car, law) not in of_laws:
+                    of_laws[cell.car, law], _ = self._key_of(
+                        lambda base=base, law=law: replace(
+                            base, configurations={**base.configurations, **law_of(board, law, base)}
+                        )
+                    )
+                manoeuvres = {cell.manoeuvre: board.manoeuvres[cell.manoeuvre]}
+                declared = replace(others, laws={law: board.laws[law]}, manoeuvres=manoeuvres)
+                keys = of_runs[cell.car, cell.manoeuvre], of_laws[cell.car, law]
+                digest = short_digest((declared, replace(cell, board=""), *keys))
+                yield (cell, law), f"{FOLDER}/{self._sources}_{digest}.npz"
+
+    def _key_of(self, make: Callable[[], Run]) -> tuple[str, Run]:
+        key, run = run_key(make)
+        self.runs.append(run)
+        return key, run
+
+    @property
+    def laws_in_cells(self) -> list[Sequence[str]]:
+        """The laws of each cell."""
+        return [self._laws] * len(self._cells)
+
+    @property
+    def files(self) -> list[str]:
+        """The names of all files, below the folder."""
+        return list(dict.fromkeys(self._names.values()))
+
+    def is_worth_keeping(self, name: str) -> bool:
+        """Whether a file, of these cells and laws or of others, is of our sources as they are."""
+        return name.startswith(f"{FOLDER}/{self._sources}_")
+
+    def missing(self) -> dict[Cell, list[str]]:
+        """By cell the laws that have not driven it; a file that is no whole one counts as missing."""
+        found: dict[Cell, list[str]] = {}
+        for (cell, law), name in self._names.items():
+            try:
+                self._part(name)
+            except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+                found.setdefault(cell, []).append(law)
+        return found
+
+    def keep(self, driven: DrivenCell) -> None:
+        """Write what laws have driven in a cell, at once; OSError if it cannot be written."""
+        for law, metrics in driven.metrics.items():
+            texts = {_HASHES: driven.hashes[law], _COMMANDS: driven.commands[law]}
+            part = {f"{_METRIC}{name}": values for name, values in metrics.items()} | {_CLEAN: driven.clean[law]}
+            part |= {name: np.array([each.encode() for each in of]) for name, of in texts.items()}
+            name = self._names[driven.cell, law]
+            if self._folder is None:
+                self._memory[name] = part
+                continue
+            (self._folder / FOLDER).mkdir(exist_ok=True)
+            with atomic_file(self._folder / name, replaces=True) as file:
+                np.savez_compressed(file, **part)
+
+    def _part(self, name: str) -> Part:
+        """What a file holds."""
+        if self._folder is None:
+            return self._memory[name]
+        with np.load(self._folder / name, allow_pickle=False) as file:
+            return dict(file)
+
+    def __len__(self) -> int:
+        return len(self._cells)
+
+    def __getitem__(self, number: int) -> DrivenCell:
+        """A cell with all its laws."""
+        cell = self._cells[number]
+        driven = DrivenCell(cell, {}, {}, {}, {})
+        for law in self._laws:
+            part = self._part(self._names[cell, law])
+            driven.metrics[law] = {n.removeprefix(_METRIC): part[n] for n in part if n.startswith(_METRIC)}
+            driven.clean[law] = part[_CLEAN]
+            driven.hashes[law], driven.commands[law] = (
+                [each.decode() for each in part[name].tolist()] for name in (_HASHES, _COMMANDS)
+            )
+        return driven

@@ -1,0 +1,1 @@
+"""Tuning of the laws of a board: free numbers, training runs, one search for all (docs/benchmark.md)."""

@@ -1,0 +1,76 @@
+"""The runs by which candidates for the numbers of a law are judged, and the cost of a candidate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ev_core.lockstep.configuration import Configuration
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.batches.batch import batch
+from ev_sim.benchmark.board import Board, by_role
+from ev_sim.benchmark.driving import DrivenCell, LawInCell, laws_in_cell
+from ev_sim.benchmark.scores import LARGEST, WORST, costs_of, interquartile_mean, tail_mean
+
+
+def robust_cost(costs: np.ndarray) -> np.ndarray:
+    """What candidates are compared by, of the costs of their runs along the last axis.
+
+    Their interquartile mean and their worst tenth, which both rank laws; the tenth counts as the tenth that it is.
+    """
+    return interquartile_mean(costs) + WORST * tail_mean(costs)
+
+
+class Training:
+    """All draws of some cells, against those of the reference in the same cells, which are driven before."""
+
+    def __init__(self, board: Board, law: str, reference: Sequence[DrivenCell], cost: str, threads: int | None) -> None:
+        self._board, self._law, self._cost, self._threads = board, law, cost, threads
+        self._cells = [(laws_in_cell(board, of.cell, [law])[law], of) for of in reference]
+
+    @property
+    def configurations(self) -> dict[str, Configuration]:
+        """By role the law as it is before, with the first car."""
+        return {role: self._cells[0][0].run.configurations[role] for role in by_role(self._board.laws[self._law])}
+
+    @property
+    def runs(self) -> int:
+        """Of one candidate."""
+        return len(self._cells) * self._board.draws
+
+    def costs(self, candidates: Sequence[Mapping[str, float]]) -> np.ndarray:
+        """The cost of each candidate, by names its values, (candidates,).
+
+        Values that are allowed one by one and do not fit together cost the most, and are not driven.
+        """
+        fitting = [n for n, each in enumerate(candidates) if self._fits(each)]
+        costs = np.full(len(candidates), robust_cost(np.full(1, LARGEST)))
+        if fitting:
+            found = [self._of_cell([candidates[n] for n in fitting], *of) for of in self._cells]
+            costs[fitting] = robust_cost(np.concatenate(found, axis=1))
+        return costs
+
+    def _fits(self, candidate: Mapping[str, float]) -> bool:
+        try:
+            for runs, _ in self._cells:
+                for role, values in by_role(candidate).items():
+                    runs.run.configurations[role].changed(values)
+        except ParameterError:
+            return False
+        return True
+
+    def _of_cell(self, candidates: Sequence[Mapping[str, float]], law: LawInCell, of: DrivenCell) -> np.ndarray:
+        board, manoeuvre, count = self._board, self._board.manoeuvres[of.cell.manoeuvre], len(candidates)
+        vary = {name: list(column) * count for name, column in law.vary.items()}
+        for role, values in by_role(candidates[0]).items():
+            for name in values:
+                vary[f"{role}.{name}"] = [by_role(each)[role][name] for each in candidates for _ in range(board.draws)]
+        metrics = batch(
+            law.run.configurations, manoeuvre.duration, vary, metrics=manoeuvre.measured, threads=self._threads
+        ).metrics
+        reference = {name: np.tile(each, count) for name, each in of.metrics[board.reference].items()}
+        both = {board.reference: reference, "": metrics}
+        unstable = np.stack([~(each["peak_sideslip"] < board.unstable) for each in both.values()])
+        costs = costs_of(both, manoeuvre.metrics(self._cost), board.scales, board.reference, unstable)
+        return costs[1].reshape(count, board.draws)

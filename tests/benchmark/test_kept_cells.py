@@ -1,0 +1,105 @@
+"""What a board keeps of its runs: it goes on where it was stopped, whatever stops it, and drives nothing else."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from schedulers import scheduler_with_two_workers
+
+from ev_sim.benchmark import run_files
+from ev_sim.benchmark.board import read_board
+from ev_sim.benchmark.driving import drive_cell
+from ev_sim.benchmark.kept_cells import KeptCells
+from ev_sim.benchmark.result import BoardResult
+from ev_sim.commands.benchmark import run_benchmark
+
+SMALL = replace(read_board("small"), draws=2)
+STEP = "layout_1_8_c:all:step_steer:wet:*"
+LAWS = ["equal_torque", "pi"]
+
+
+def test_only_what_is_missing_or_would_be_another_number_is_driven(tmp_path: Path):
+    cells = SMALL.cells(STEP)
+    kept = KeptCells(SMALL, cells, LAWS, tmp_path)
+    assert kept.missing() == {cells[0]: LAWS}
+    driven = drive_cell(SMALL, cells[0], LAWS)
+    kept.keep(driven)
+    assert not kept.missing()
+    assert repr(kept[0]) == repr(driven)
+    assert BoardResult(SMALL, LAWS, kept).hash == BoardResult(SMALL, LAWS, [driven]).hash
+    laws = {**SMALL.laws, "pi": {**SMALL.laws["pi"], "allocation": "load"}}
+    for board, missing in (
+        (replace(SMALL, name="own.yaml", cars=SMALL.cars[1:], scales={}), []),
+        (replace(SMALL, laws=laws), ["pi"]),
+        (replace(SMALL, seed=2), LAWS),
+    ):
+        found = KeptCells(board, board.cells(STEP), LAWS, tmp_path).missing()
+        assert [law for of in found.values() for law in of] == missing
+    half = tmp_path / kept.files[0]
+    half.write_bytes(half.read_bytes()[:-100])
+    assert kept.missing() == {cells[0]: [LAWS[0]]}
+
+
+def test_many_runs_stand_one_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (cell,) = SMALL.cells(STEP)
+    result = BoardResult(SMALL, LAWS, [drive_cell(SMALL, cell, LAWS)])
+    run_files.write_runs(tmp_path, result)
+    monkeypatch.setattr(run_files, "MOST_IN_JSON", 1)
+    run_files.write_runs(tmp_path, result)
+    lines = gzip.decompress((tmp_path / "runs.jsonl.gz").read_bytes()).splitlines()
+    assert [*map(json.loads, lines)] == json.loads((tmp_path / "runs.json").read_text())["runs"] == [*result.runs()]
+
+
+WORDS = ["--cells", "layout_1_8_c:all:step_steer:*", "--laws", "pi", "--draws", "4", "--no-report"]
+
+
+def hash_of(out: Path) -> str:
+    return json.loads((out / "board.json").read_text())["hash"]
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory: pytest.TempPathFactory) -> str:
+    out = tmp_path_factory.mktemp("whole")
+    run_benchmark([*WORDS, "--workers", "1", "--out", str(out)])
+    return hash_of(out)
+
+
+@pytest.mark.weekly
+def test_a_board_that_is_killed_goes_on_with_the_same_bits(expected: str, tmp_path: Path, capsys):
+    program = "import sys; from ev_sim.commands.run_scenario import main; main(sys.argv[1:])"
+    words = [sys.executable, "-c", program, "benchmark", *WORDS, "--out", str(tmp_path)]
+    board = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while not [*tmp_path.glob("driven/*.npz")]:
+        assert board.poll() is None
+        time.sleep(0.01)
+    board.kill()
+    board.wait()
+    run_benchmark([*WORDS, "--out", str(tmp_path)])
+    assert "of them driven before" in capsys.readouterr().out
+    assert hash_of(tmp_path) == expected
+
+
+@pytest.mark.weekly
+def test_a_scheduler_gives_the_same_bits_though_a_worker_is_lost(
+    expected: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """One of two workers is killed with the first result."""
+    keep = KeptCells.keep
+
+    def kill(kept, driven) -> None:
+        keep(kept, driven)
+        victim.kill()
+
+    monkeypatch.setattr(KeptCells, "keep", kill)
+    monkeypatch.setattr("ev_sim.commands.benchmark.RUNS_OF_A_JOB", 1)
+    with scheduler_with_two_workers() as (address, victim):
+        run_benchmark([*WORDS, "--scheduler", address, "--out", str(tmp_path)])
+        assert victim.wait() != 0
+    assert hash_of(tmp_path) == expected

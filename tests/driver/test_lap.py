@@ -1,0 +1,95 @@
+"""A driver at the limit on a closed course: clean, as fast as planned, mirrored to the bit, at rest in the end."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_sim.measures.registry import METRICS, DrivenRun, driven_run
+from ev_sim.recording.offline import run_offline, true_motion
+from ev_sim.recording.recording import Recording
+from ev_sim.scenarios.scenario import Overrides, load_scenario
+
+
+def driven(duration: float | None = None, **values: object) -> DrivenRun:
+    """The scenario with other values of the driver and the plant, their dots as two underscores."""
+    changed = [(*name.replace("__", ".").split(".", 1), value) for name, value in values.items()]
+    run = load_scenario("lap", Overrides(values=changed, duration=duration)).runs[0]
+    return driven_run(
+        true_motion(run_offline(run.configurations, run.duration), run.configurations), run.configurations
+    )
+
+
+def measured(run: DrivenRun, name: str) -> float:
+    """The value of a metric, which has one."""
+    found = METRICS[name].measured(run)
+    assert found.value is not None, found.reason
+    return found.value
+
+
+@pytest.fixture(scope="module")
+def lap() -> DrivenRun:
+    return driven()
+
+
+def test_a_lap_is_driven_on_the_line_and_then_the_car_stands(lap: DrivenRun):
+    """863 m from rest, the time as of today within 1 %; the error is within the clearance of 0.4 m from the edges."""
+    assert measured(lap, "lap_time") == pytest.approx(49.9, abs=0.5)
+    assert measured(lap, "path_error") < 0.25
+    assert 0.4 < measured(lap, "mean_friction_use") < measured(lap, "high_friction_use") < 1.0
+    channels = lap.signals.channels
+    assert abs(channels["twist.longitudinal"][-1]) < 1e-3
+    assert channels["driver.command.drive_torque"][-1] == 0.0
+
+
+def test_the_time_of_a_slower_lap_is_longer_by_the_scale(lap: DrivenRun):
+    """Speeds in proportion: within 3 %, for launch and power do not scale."""
+    slow = driven(duration=75.0, driver__limit__scale=0.65)
+    assert measured(slow, "lap_time") == pytest.approx(measured(lap, "lap_time") * 0.85 / 0.65, rel=0.03)
+
+
+def test_too_fast_a_car_leaves_the_course():
+    """Speeds 1.3 times those of a point mass on this friction."""
+    run = driven(duration=25.0, driver__limit__scale=1.3)
+    reason = METRICS["lap_time"].measured(run).reason
+    assert reason.startswith("the car left the course at ")
+
+
+def test_a_lap_the_other_way_round_is_the_mirror_image():
+    """To the bit, where forces left and right are alike: 8 s, into the first bend."""
+    course = driven(duration=0.1).course
+    assert course is not None
+    other = {"driver__course__y": [-y + 0.0 for y in course.y], "plant__initial_y": 2.0}
+    one, image = (
+        driven(
+            8.0,
+            driver__course__file="",
+            driver__course__x=list(course.x),
+            driver__course__width=list(course.width),
+            **more,
+        ).signals.channels
+        for more in ({"driver__course__y": list(course.y)}, other)
+    )
+    for name, sign in (
+        ("pose.x", 1.0),
+        ("pose.y", -1.0),
+        ("twist.yaw_rate", -1.0),
+        ("driver.command.drive_torque", 1.0),
+    ):
+        assert (one[name] == sign * image[name]).all(), name
+
+
+def test_the_hottest_winding_counts(lap: DrivenRun):
+    channels = {f"motor_temperatures.winding.{wheel}": np.full(3, float(n)) for n, wheel in enumerate(WHEEL_NAMES)}
+    run = lap._replace(signals=Recording(np.arange(3.0), channels))
+    assert measured(run, "peak_winding_temperature") == 3.0
+
+
+def test_a_car_that_cuts_across_leaves_the_course(lap: DrivenRun):
+    """Where it stands in for some seconds of the lap on another part of it, and on no road in between."""
+    channels = dict(lap.signals.channels)
+    for name in ("pose.x", "pose.y"):
+        channels[name] = np.where(lap.signals.time > 40.0, channels[name][2500], channels[name])
+    cut = lap._replace(signals=Recording(lap.signals.time, channels))
+    assert METRICS["lap_time"].measured(cut).reason == "the car left the course at 40.01 s"
