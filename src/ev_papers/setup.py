@@ -29,6 +29,7 @@ STUDIES = [
     "ge_ni2005_periods = ev_papers.ge_ni2005.periods",
     "ge_ni2005_wheel_speeds = ev_papers.ge_ni2005.wheel_speeds",
     "outside_friction = ev_papers.outside_checks.friction",
+    "outside_lap = ev_papers.outside_checks.lap",
     "outside_laws = ev_papers.outside_checks.laws",
     "shchur2019_course = ev_papers.shchur2019.course",
     "urban_sensitivity = ev_papers.dissertation.studies.urban_sensitivity",

@@ -14,7 +14,8 @@ from ev_sim.verdicts.need import StudyNeed
 
 ROOT = Path(__file__).parents[2]
 STUDIES = [(page, study) for page, studies in STUDY_PAGES.items() for study in studies]
-IN_VERDICTS = ("five_methods",)  # tests/docs/test_verdicts_page.py drives some of its cases
+# tests/docs/test_verdicts_page.py drives some of their cases
+IN_VERDICTS = ("five_methods", "outside_friction", "outside_laws", "outside_lap")
 
 
 @pytest.mark.parametrize(("page", "study"), STUDIES)

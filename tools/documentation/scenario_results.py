@@ -109,7 +109,7 @@ STUDY_PAGES = {  # pages that show studies alone
     "docs/beyond.md": ("shchur2019_course", "ge_ni2005_wheel_speeds"),
     "docs/braking.md": ("braking",),
     "docs/faults.md": ("faults",),
-    "docs/outside_checks.md": ("outside_friction", "outside_laws"),
+    "docs/outside_checks.md": ("outside_friction", "outside_laws", "outside_lap"),
     "docs/dissertation.md": ("five_methods", "urban_sensitivity"),
 }
 STUDY_TABLES: dict[str, dict[str, Callable[[], str]]] = {"docs/asr.md": {"seeds": seed_tables}}  # further parts

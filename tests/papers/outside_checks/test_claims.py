@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from documentation.measured import read_measured
-from ev_papers.outside_checks import friction, laws
-from ev_papers.outside_checks.cases import DRAWS, interval, measure
+from ev_papers.outside_checks import friction, lap, laws
+from ev_papers.outside_checks.cases import DRAWS, drawn, interval, measure
 from ev_sim.study.study import drive_case, run_of
 from ev_sim.verdicts.need import StudyCases, StudyNeed
 from ev_sim.verdicts.sources import published
@@ -36,6 +36,7 @@ def judged(id: str, changed=None) -> str:
 @pytest.mark.parametrize(
     ("id", "law", "factor"),
     [
+        ("novellis.understeer", " ramp truth suboptimal:", 0.85),  # as without a law
         ("novellis.pid", " truth pi:", 10.0),
         ("novellis.sideslip", " pi + sideslip 1.5:", 10.0),
         ("novellis.sideslip", " truth suboptimal 1.5:", 0.1),  # nothing to save
@@ -55,6 +56,28 @@ def test_sliding_modes_that_slide_less_would_reproduce_the_order():
     assert judged(
         "novellis.friction", lambda name, _, value: value / 2 if any(m in name for m in modes) else value
     ) == ("reproduced")
+
+
+def test_a_car_that_leaves_the_course_no_faster_than_by_the_fixed_split_gains_nothing():
+    """No lap of the law counts above a scale of 0.87, where none with equal torques is clean."""
+
+    def slower(name: str, quantity: str, value: object) -> object:
+        law, scale = name.partition(": ")[0].rsplit(" ", 1)
+        return None if quantity == "lap_time" and law.endswith("least_squares") and float(scale) > 0.87 else value
+
+    assert judged("broere.lap") == "reproduced"
+    assert judged("broere.lap", slower) == "not reproduced"
+
+
+def test_a_lap_is_driven_by_the_drawn_friction_and_scale():
+    """21 scales, 5 draws, 4 + 1 + 2 + 2 + 2 laws; the driver knows the friction of the draw."""
+    cases = {case.name: case for case in lap.cases(Namespace())}
+    assert len(cases) == 21 * 5 * 11
+    given = run_of(cases["all gentle truth pi_neutral_least_squares 0.90: 2"]).configurations
+    driver, law = (given[role].values() for role in ("driver", "electronic_differential"))
+    assert (driver["limit.scale"], driver["limit.driving"]) == (0.9, 0.6)
+    assert driver["limit.friction"] == drawn()["friction"][2]
+    assert (law["controller"], law["reference"], law["allocation"]) == ("pi", "neutral", "least_squares")
 
 
 def test_draws_are_the_same_for_all_laws_and_the_told_friction_is_the_laws_alone():

@@ -47,6 +47,7 @@ MANOEUVRES: Mapping[str, tuple[str, str, float, Values]] = {
     "hard_step": ("step_steer", "left", 6.0, (("steering_column", "scale", 3.0),)),  # beyond any grip on a wet road
     "sine": ("sine_with_dwell", "times_3_5", 5.0, _SCALE),
     "lane_change": ("double_lane_change", "", 8.0, ()),
+    "lap": ("lap", "", 70.0, ()),
 }
 TRUTH, SENSORS = "truth", "estimated"
 BASE = "equal_torque"
@@ -56,6 +57,7 @@ PARTS: Mapping[str, Mapping[str, str]] = {  # a part other than that of `pi`
     "pi_neutral": {"controller": "pi", "reference": "neutral"},
     "pi_load": {"controller": "pi", "allocation": "load"},
     "pi_least_squares": {"controller": "pi", "allocation": "least_squares"},
+    "pi_neutral_least_squares": {"controller": "pi", "reference": "neutral", "allocation": "least_squares"},
 }
 LIMIT = math.radians(10.0)  # of sideslip; assumed: the abstract calls its own limits acceptable and names none
 RAMP_ACCELERATION = 4.0  # [m/s^2], at which the steering-wheel angle of the ramp is read
@@ -71,7 +73,7 @@ def law(name: str, known: str = TRUTH, told: float = 1.0, **parts: str) -> Value
 
 
 @cache
-def _drawn() -> Mapping[str, np.ndarray]:
+def drawn() -> Mapping[str, np.ndarray]:
     """By name a number for each draw, even within its bounds."""
     random = np.random.Generator(np.random.PCG64(SEED))
     bounds = {
@@ -97,9 +99,9 @@ def _configurations(car: str, manoeuvre: str) -> Mapping[str, Configuration]:
 
 def case(name: str, car: str, manoeuvre: str, road: str, draw: int, of_law: Values, wrong_tyres: bool = False) -> Case:
     """A draw of a law on a car, in a manoeuvre, on a road; with `wrong_tyres` the law believes in drawn stiffnesses."""
-    drawn, vehicle = _drawn(), _configurations(car, manoeuvre)[MASTER].common.vehicle
+    of_draw, vehicle = drawn(), _configurations(car, manoeuvre)[MASTER].common.vehicle
     scenario, run, duration, values = MANOEUVRES[manoeuvre]
-    surface, friction = SURFACES[ROADS[road]], float(drawn["friction"][draw])
+    surface, friction = SURFACES[ROADS[road]], float(of_draw["friction"][draw])
     of_road = {
         "pattern": "constant",
         "own": ("drawn",),
@@ -111,12 +113,12 @@ def case(name: str, car: str, manoeuvre: str, road: str, draw: int, of_law: Valu
         "own_rolling_resistance": (surface.rolling_resistance,),
     }
     noise = [
-        (MASTER, f"sensors.{n}.noise", float(drawn[n][draw]))
+        (MASTER, f"sensors.{n}.noise", float(of_draw[n][draw]))
         for n in ("imu_yaw_rate", "imu_acceleration", "wheel_speed")
     ]
     believed: list[tuple[str, str, Any]] = []
     for axle, stiffness in zip(("front", "rear"), axle_cornering_stiffnesses(vehicle), strict=True):
-        factor = float(drawn[axle][draw]) if wrong_tyres else 1.0
+        factor = float(of_draw[axle][draw]) if wrong_tyres else 1.0
         for group in ("single_track", "known.observer"):
             believed.append((LAW, f"{group}.{axle}_cornering_stiffness", factor * stiffness))
     return Case(
@@ -127,7 +129,7 @@ def case(name: str, car: str, manoeuvre: str, road: str, draw: int, of_law: Valu
             *values,
             *((MASTER, f"road.{key}", value) for key, value in of_road.items()),
             ("*", "seed", draw + 1),
-            *(("*", f"vehicle.{n}", getattr(vehicle, n) * float(drawn[n][draw])) for n in ("mass", "yaw_inertia")),
+            *(("*", f"vehicle.{n}", getattr(vehicle, n) * float(of_draw[n][draw])) for n in ("mass", "yaw_inertia")),
             *noise,
             *(believed if of_law[0][2] != BASE else ()),
             *of_law,

@@ -14,14 +14,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from ev_papers.outside_checks import cases as drawn_cases
-from ev_papers.outside_checks.cases import BASE, CONTROLLERS, DRAWS, PARTS, SENSORS, TRUTH, interval, law, of_draws
+from ev_papers.outside_checks.cases import BASE, CONTROLLERS, DRAWS, SENSORS, TRUTH, interval, law, of_draws
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.study.study import Case, Results
 
 ABOUT = "Asperti 2024 and others: torque vectoring part by part on known friction, and with tyres told wrongly"
 WRONG = "wrong tyres"
 ROAD_OF = {"ramp": "dry", "step": "dry", "sine": "wet", "lane_change": "snow"}
-EVERY = (*CONTROLLERS, *PARTS)
+EVERY = (*CONTROLLERS, "pi_neutral", "pi_load", "pi_least_squares")
 # Car, manoeuvre, what is known, laws.
 CELLS = (
     *(("all", manoeuvre, known, EVERY) for manoeuvre in ROAD_OF for known in (TRUTH, SENSORS)),

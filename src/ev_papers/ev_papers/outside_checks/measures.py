@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ev_papers.outside_checks import friction, laws
+from ev_papers.outside_checks import friction, lap, laws
 from ev_papers.outside_checks.cases import BASE, LIMIT, SECOND_ORDER, SENSORS, TRUTH, interval
 from ev_sim.verdicts.need import StudyCases
 
@@ -77,3 +77,23 @@ def surely_slides_less(study: StudyCases, law: str, other: str, told: float) -> 
     """Whether a law slides less than another one with a told friction, without a loop, beyond the noise."""
     one, than = (_sideslips(study, each, "alone", told, "truth", "all", "wet") for each in (law, other))
     return interval(one - than)[2] < 0.0
+
+
+def _cell(car: str, driver: str, known: str) -> tuple[str, str, str]:
+    return car, "" if driver == "file" else driver, _KNOWN[known]
+
+
+def lap_gain(study: StudyCases, law: str, car: str = "all", driver: str = "file", known: str = "truth") -> float:
+    """By what a law shortens the best clean lap of equal torques, median of the draws [%]."""
+    car, driver, known = _cell(car, driver, known)
+    return 100.0 * float(np.median(lap.gains(study.results, car, law, driver, known)))
+
+
+def least_lap_gain(study: StudyCases, law: str) -> float:
+    """The lower end of the 95 % interval of this gain [%]."""
+    return 100.0 * interval(lap.gains(study.results, "all", law))[1]
+
+
+def best_lap(study: StudyCases, law: str, car: str = "all") -> float:
+    """The best clean lap, median of the draws [s]."""
+    return float(np.median(lap.best(study.results, car, law)))

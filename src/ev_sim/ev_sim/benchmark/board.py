@@ -39,7 +39,7 @@ class Manoeuvre:
 
     `steering_on`: the road on which the steering angles are found on the very car, by the slow ramp of the scenario.
     `entry_speed`: bounds of the speed that is raised until the car is not clean any more [m/s], by `halvings`;
-    `speed_scale`: those of the scale of the speed profile of a lap [1], likewise.
+    `speed_scale`: those of the scale of the speed profile of a lap [1], likewise. `without`: cars that do not drive it.
     """
 
     scenario: str
@@ -53,6 +53,7 @@ class Manoeuvre:
     entry_speed: list[float] = field(default_factory=list)
     speed_scale: list[float] = field(default_factory=list)
     halvings: int = 6
+    without: list[str] = field(default_factory=list)
 
     def metrics(self, *costs: str) -> list[str | NamedMetric]:
         """What some costs count: names of the registry, expressions whose lower values are better, the entry speed."""
@@ -167,6 +168,7 @@ class Board:
             Cell(self.name, self.version, car, name, road)
             for car in self.cars
             for name, manoeuvre in self.manoeuvres.items()
+            if car not in manoeuvre.without
             for road in manoeuvre.roads
         ]
         found = [each for each in every if any(fnmatchcase(each.id(cost), pattern) for cost in COSTS)]
@@ -237,6 +239,7 @@ def _refuse(board: Board, path: Path) -> None:
         _known(
             f"road of {name}", [*manoeuvre.roads, *([manoeuvre.steering_on] * bool(manoeuvre.steering_on))], board.roads
         )
+        _known(f"car of {name}", manoeuvre.without, cars)
         _refuse_search(name, manoeuvre)
         for metric in named_metrics(manoeuvre.measured):
             if metric in METRICS and not METRICS[metric].better:
