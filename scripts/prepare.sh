@@ -223,13 +223,14 @@ build() {
 
 # The planar plant takes longer than colcon; what cannot be compiled says so when it is used.
 wait_for_ahead() {
-    local counted=""
+    local counted="" shown=""
     while [[ -n "$(jobs -rp)" ]]; do
         counted="$(grep -o 'compiling (once) [0-9]* of [0-9]*' log/compile_ahead.log | tail -n 1)" || true
-        [[ -z "$counted" ]] || printf '\r%s ' "$counted" >&2
+        [[ "$counted" == "$shown" ]] || printf '\r%s ' "$counted" >&2
+        shown="$counted"
         sleep 0.1
     done
-    [[ -z "$counted" ]] || echo >&2
+    [[ -z "$shown" ]] || echo >&2
     ahead=()
 }
 
