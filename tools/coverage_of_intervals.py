@@ -30,6 +30,7 @@ from ev_sim.measured.records.record import (
 )
 from ev_sim.measured.replays.open_loop import OpenLoop, graph, windows_of
 from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Overrides
 
 CAR, PERIOD, OFF = "compact_ev", 0.01, 1.2
@@ -56,9 +57,8 @@ def main(argv: Sequence[str] | None = None) -> None:
         print(f"{name}: held by {count} of {given.seeds} intervals")
 
 
-def record_of(seed: int, duration: float) -> MeasuredRecord:
-    """The car at 18 to 22 m/s, steered by three sines of up to 2 deg together, with noise."""
-    random = np.random.Generator(np.random.PCG64(seed))
+def driven(random: np.random.Generator, duration: float) -> Recording:
+    """The car at 18 to 22 m/s, steered by three sines of up to 2 deg together: up to 5 m/s^2, far from any limit."""
     time = np.arange(round(duration / PERIOD) + 2) * PERIOD
     phases = random.uniform(0.0, 2.0 * np.pi, 3)
     angle = sum(np.radians(0.7) * np.sin(f * time + at) for f, at in zip((0.8, 2.1, 5.0), phases, strict=True))
@@ -71,7 +71,13 @@ def record_of(seed: int, duration: float) -> MeasuredRecord:
         ("steering_column", "time", time.tolist()),
         ("steering_column", "angle", np.asarray(angle).tolist()),
     ]
-    run = run_offline(graph(CAR, PERIOD, Overrides(values=values)), duration)
+    return run_offline(graph(CAR, PERIOD, Overrides(values=values)), duration)
+
+
+def record_of(seed: int, duration: float) -> MeasuredRecord:
+    """What is measured of the car, with noise."""
+    random = np.random.Generator(np.random.PCG64(seed))
+    run = driven(random, duration)
     columns = {}
     for name in (LONGITUDINAL, LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE):
         noise = NOISE.get(name, 0.0) * random.standard_normal(len(run.time))

@@ -10,7 +10,7 @@ import pytest
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.batch import batch
+from ev_sim.batches.by_period import batch_by_period
 from ev_sim.benchmark.board import Board, read_board
 from ev_sim.benchmark.driving import drawn, drive_cell, laws_in_cell, run_of, values_of
 from ev_sim.benchmark.entry_speed import CLEAN, at_speeds, clean
@@ -40,8 +40,9 @@ def driven(board: Board, pattern: str) -> Recording:
 
 def test_every_cell_has_a_graph_and_draws(board: Board):
     cells = board.cells("*:handling:*")
-    assert len(cells) == 3 * 33
-    for cell in cells[::7]:  # names and values do not depend on the car and the road alone
+    assert len(cells) == 5 * 35 - 11
+    assert {cell.manoeuvre for cell in cells if cell.car == "racing_car:all"}.isdisjoint({"launch", "brake"})
+    for cell in cells[::11]:  # names and values do not depend on the car and the road alone
         assert drawn(board, cell, run_of(board, cell, values_of(board, cell)).configurations).values
 
 
@@ -56,7 +57,7 @@ def test_the_entry_speed_is_clean_and_the_next_one_is_not(board: Board):
         assert ((speeds > 12.0) & (speeds < 40.0)).all()
         faster = {**runs.vary, **at_speeds(speeds + RESOLUTION)}
         metric = clean(board, runs.run)
-        assert not batch(runs.run.configurations, 14.0, faster, metrics=[metric]).metrics[CLEAN].any()
+        assert not batch_by_period(runs.run.configurations, 14.0, faster, metrics=[metric]).metrics[CLEAN].any()
 
 
 def test_a_car_that_is_clean_at_no_speed_counts_as_unstable(board: Board):
@@ -68,13 +69,13 @@ def test_a_car_that_is_clean_at_no_speed_counts_as_unstable(board: Board):
 
 
 def test_a_lap_is_driven_with_its_highest_clean_scale(board: Board):
-    """Faster than the lowest one, and in less time than it: 863 m at 0.5 take more than 80 s."""
-    quick = replace(board.manoeuvres["lap"], halvings=2)
-    few = replace(board, draws=1, manoeuvres={**board.manoeuvres, "lap": quick})
+    """Of 0.7 and 0.825 the faster one: in less than 59 s; 0.7 takes 60 s."""
+    quick = replace(board.manoeuvres["lap"], speed_scale=[0.7, 0.95], halvings=1, duration=65.0)
+    few = replace(board, draws=1, variations=[], manoeuvres={**board.manoeuvres, "lap": quick})
     (cell,) = few.cells(f"{CAR}:lap:dry:handling:*")
     found = drive_cell(few, cell, ["equal_torque"])
     assert found.clean["equal_torque"].all()
-    assert 45.0 < found.metrics["equal_torque"]["lap_time"][0] < 75.0
+    assert 45.0 < found.metrics["equal_torque"]["lap_time"][0] < 59.0
 
 
 def test_the_step_is_that_of_the_very_car(board: Board):
@@ -98,6 +99,12 @@ def test_the_friction_jumps_where_the_road_has_it(board: Board):
         ("entry_speed: [12.0, 44.0]", "entry_speed: [44.0, 12.0]", "entry_speed of double_lane_change is [44.0, 12.0]"),
         ("entry_speed: [12.0, 44.0]", "halvings: 4", "entry_speed of double_lane_change is measured, allowed with"),
         ("steering_on: dry ", "steering_on: mud ", "unknown road of step_steer 'mud'"),
+        ('without: ["racing_car:all"]', "without: [kart]", "unknown car of power_on_in_bend 'kart'"),
+        (
+            "speed_scale: [0.5, 1.1]",
+            "speed_scale: [0.5]",
+            "speed_scale of lap is [0.5], allowed are two numbers that rise",
+        ),
         ("length: [100.0]", "length: []", "road dry_to_wet needs as many surfaces left as right"),
     ],
 )

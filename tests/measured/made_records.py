@@ -6,15 +6,12 @@ import lzma
 from functools import cache
 from pathlib import Path
 
+import coverage_of_intervals
 import numpy as np
 
-from ev_sim.measured.replays.open_loop import graph
-from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Overrides
 
-CAR = "compact_ev"
-PERIOD = 0.01
+CAR, PERIOD = coverage_of_intervals.CAR, coverage_of_intervals.PERIOD
 CHANNELS = {
     "t": "time",
     "speed": "twist.longitudinal",
@@ -36,21 +33,8 @@ channels:
 
 @cache
 def driven(duration: float = 12.0, seed: int = 0) -> Recording:
-    """The car at 18 to 22 m/s, steered by three sines of up to 2 deg together: up to 5 m/s^2, far from any limit."""
-    time = np.arange(round(duration / PERIOD) + 2) * PERIOD
-    random = np.random.Generator(np.random.PCG64(seed))
-    phases = random.uniform(0.0, 6.28, 3)
-    angle = sum(np.radians(0.7) * np.sin(f * time + at) for f, at in zip((0.8, 2.1, 5.0), phases, strict=True))
-    speed = 20.0 + 2.0 * np.sin(0.4 * time + phases[0])
-    values = [
-        ("plant", "initial_speed", float(speed[0])),
-        ("plant", "initial_hold", 0.0),
-        ("plant", "imposed_speed.time", time.tolist()),
-        ("plant", "imposed_speed.speed", speed.tolist()),
-        ("steering_column", "time", time.tolist()),
-        ("steering_column", "angle", angle.tolist()),
-    ]
-    return run_offline(graph(CAR, PERIOD, Overrides(values=values)), duration)
+    """The car of the tool that counts held intervals, driven as there."""
+    return coverage_of_intervals.driven(np.random.Generator(np.random.PCG64(seed)), duration)
 
 
 def columns_of(recording: Recording, noise: float = 0.0, seed: int = 0) -> dict[str, np.ndarray]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from plant.planar.car import CAR, STRAIGHT, command, outputs, plant, steered
 from plant.planar.manoeuvres import MANOEUVRES
@@ -62,6 +64,21 @@ def test_speed_imposed_at_the_wheels_is_carried_by_the_tyres():
     assert force.front_left + force.front_right == pytest.approx(0.7 * wanted, rel=0.05)
     assert car.state[VX] == pytest.approx(24.95, abs=1e-12)
     assert abs(car.state[index("holding_work")] - before) / 0.01 < 0.05 * abs(wanted) * 25.0
+
+
+def test_a_car_whose_mass_is_right_of_its_middle_is_pulled_to_the_left_when_braked():
+    """The brakes act as far left of the mass as that is right of the middle: J r' = m a y, less what the tyres hold."""
+    braking = {"initial_speed": 30.0, "speed": "imposed", "imposed_speed__time": (0.0, 2.0)}
+    rates = []
+    for offset in (-0.05, 0.05):
+        loaded = replace(CAR, centre_of_mass_offset=offset)
+        car = plant(loaded, **braking, imposed_speed__speed=(30.0, 20.0), imposed_at="wheels")
+        for _ in range(10):
+            car.advance(command(), STRAIGHT)
+        rates.append(car.state[YAW_RATE])
+    free = CAR.mass * 5.0 * 0.05 / CAR.yaw_inertia * 0.1
+    assert 0.2 * free < rates[0] < free
+    assert rates[1] == -rates[0]
 
 
 def test_a_held_start_continues_a_steady_bend():

@@ -11,7 +11,7 @@ from typing import Any
 import yaml
 
 from ev_core.parameters.data_file import TEXT, TextOfFile, read_data
-from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.benchmark.records import is_of, mapping, record
 from ev_sim.measures import motion
 from ev_sim.measures.metric import HIGHER
@@ -26,7 +26,7 @@ SIDES = ("left", "right")
 ROLE, FURTHER = "electronic_differential", ("asr",)  # roles that a law of a board plays
 CASES = ("training", "validation", "held_out")
 _ALIKE = ("method", "reference", "allocation", "estimation", "asr.method")  # in the closed division
-FRICTION, TOLD_FRICTION = "friction", "told_friction"  # variations that are no parameters
+FRICTION, TOLD_FRICTION, MOTOR_FAULT = "friction", "told_friction", "motor_fault"  # variations that are no parameters
 ENTRY_SPEED = NamedMetric(
     "entry_speed", "m/s", "speed at the beginning, the highest one that was driven clean",
     lambda run: motion.path_speed(run.signals)[0], ("twist.",), HIGHER,
@@ -39,7 +39,7 @@ class Manoeuvre:
 
     `steering_on`: the road on which the steering angles are found on the very car, by the slow ramp of the scenario.
     `entry_speed`: bounds of the speed that is raised until the car is not clean any more [m/s], by `halvings`;
-    `speed_scale`: those of the scale of the speed profile of a lap [1], likewise.
+    `speed_scale`: those of the scale of the speed profile of a lap [1], likewise. `without`: cars that do not drive it.
     """
 
     scenario: str
@@ -53,6 +53,7 @@ class Manoeuvre:
     entry_speed: list[float] = field(default_factory=list)
     speed_scale: list[float] = field(default_factory=list)
     halvings: int = 6
+    without: list[str] = field(default_factory=list)
 
     def metrics(self, *costs: str) -> list[str | NamedMetric]:
         """What some costs count: names of the registry, expressions whose lower values are better, the entry speed."""
@@ -86,17 +87,24 @@ class Road:
 
 @dataclass(frozen=True, slots=True)
 class Variation:
-    """A parameter and one of: the bounds of a factor on what the car has, of a value, of a whole number."""
+    """A parameter and one of: the bounds of a factor on what the car has, of a value, of a whole number; or a choice.
+
+    Of `motor_fault` the value is the share that the motor of one driven wheel still gives; `begin` are bounds of when
+    that begins [s], `probability` that there is a fault at all.
+    """
 
     parameter: str
     factor: list[float] = field(default_factory=list)
     value: list[float] = field(default_factory=list)
     count: list[int] = field(default_factory=list)
+    choice: list[float] = field(default_factory=list)
+    begin: list[float] = field(default_factory=list)
+    probability: float = 1.0
 
     @property
     def bounds(self) -> list[float]:
         """The lower and the upper one."""
-        return self.factor or self.value or self.count
+        return self.factor or self.value or self.count or [0.0, 1.0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +168,7 @@ class Board:
             Cell(self.name, self.version, car, name, road)
             for car in self.cars
             for name, manoeuvre in self.manoeuvres.items()
+            if car not in manoeuvre.without
             for road in manoeuvre.roads
         ]
         found = [each for each in every if any(fnmatchcase(each.id(cost), pattern) for cost in COSTS)]
@@ -230,6 +239,7 @@ def _refuse(board: Board, path: Path) -> None:
         _known(
             f"road of {name}", [*manoeuvre.roads, *([manoeuvre.steering_on] * bool(manoeuvre.steering_on))], board.roads
         )
+        _known(f"car of {name}", manoeuvre.without, cars)
         _refuse_search(name, manoeuvre)
         for metric in named_metrics(manoeuvre.measured):
             if metric in METRICS and not METRICS[metric].better:
@@ -238,21 +248,39 @@ def _refuse(board: Board, path: Path) -> None:
             if not (is_of(scale, "float") and scale > 0.0):
                 raise ParameterError(f"scales lacks a number above 0 for {metric} of {name}")
     for variation in [*board.variations, *(each for cases in kept.values() for each in cases.variations)]:
-        bounds = [*variation.factor, *variation.value, *variation.count]
-        if len(bounds) != 2 or not bounds[0] <= bounds[1]:
-            raise ParameterError(
-                f"variation of {variation.parameter} has the bounds {bounds}, allowed are two that rise, of one of "
-                "factor, value, count"
-            )
+        _refuse_variation(variation)
     for name, values in board.laws.items():
         for role, stated in by_role(mapping(f"law {name}", values)).items():
             if "method" not in stated:
                 raise ParameterError(f"law {name} lacks {'' if role == ROLE else f'{role}.'}method")
     _known("law of tuned", list(board.tuned), board.laws)
+    for name, patterns in board.tuned.items():
+        if not (isinstance(patterns, list) and all(is_of(each, "str") for each in patterns)):
+            raise ParameterError(f"tuned has {name} with {quoted(str(patterns))}, allowed is a list of texts")
     _known("law of closed", board.closed, board.laws)
     alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
     if len(alike) > 1:
         raise ParameterError(f"closed has laws that differ in one of {', '.join(_ALIKE)}, allowed are equal ones")
+
+
+def _refuse_variation(variation: Variation) -> None:
+    bounds, who = [*variation.factor, *variation.value, *variation.count], f"variation of {variation.parameter}"
+    if bounds if variation.choice else not _rise(bounds):
+        raise ParameterError(
+            f"{who} has the bounds {bounds}, allowed are two that rise, of one of factor, value, count, or a choice"
+        )
+    if variation.parameter == MOTOR_FAULT:
+        shares, begin = variation.value, variation.begin
+        if not (_rise(shares) and shares[0] >= 0.0 and shares[1] <= 1.0 and _rise(begin) and begin[0] >= 0.0):
+            raise ParameterError(f"{who} needs value and begin, allowed are two shares within 0 to 1 and two times")
+        if not 0.0 <= variation.probability <= 1.0:
+            raise ParameterError(f"{who} has the probability {variation.probability}, allowed is 0 to 1")
+    elif variation.begin or variation.probability != 1.0:
+        raise ParameterError(f"{who} has begin or probability, allowed for {MOTOR_FAULT} alone")
+
+
+def _rise(bounds: Sequence[float]) -> bool:
+    return len(bounds) == 2 and bounds[0] <= bounds[1]
 
 
 def _refuse_search(name: str, manoeuvre: Manoeuvre) -> None:

@@ -15,9 +15,9 @@ from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.batch import batch
+from ev_sim.batches.by_period import batch_by_period
 from ev_sim.batches.variation import EVERY_ROLE
-from ev_sim.benchmark.board import FRICTION, SIDES, TOLD_FRICTION, Board, Cell, by_role
+from ev_sim.benchmark.board import FRICTION, MOTOR_FAULT, SIDES, TOLD_FRICTION, Board, Cell, Variation, by_role
 from ev_sim.benchmark.entry_speed import CLEAN, at_speeds, clean, highest_clean
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
@@ -70,7 +70,7 @@ def drive_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | Non
     driven = DrivenCell(cell, {}, {}, {}, {})
     for law, runs in laws_in_cell(board, cell, laws, threads).items():
         metrics = [*manoeuvre.measured, *([clean(board, runs.run)] if manoeuvre.searched else [])]
-        found = batch(
+        found = batch_by_period(
             runs.run.configurations, manoeuvre.duration, runs.vary, metrics=metrics, threads=threads, hashes=True
         )
         driven.metrics[law] = {name: of for name, of in found.metrics.items() if name != CLEAN}
@@ -125,8 +125,12 @@ def _layout_and_road(board: Board, cell: Cell) -> dict[str, Any]:
     if road.length:
         values |= {"pattern": "segments", "length": road.length}
     values |= _surfaces(board, cell, 1.0)
-    layout = {f"{EVERY_ROLE}.vehicle.driven_wheels": board.layouts[cell.car.partition(":")[2]]}
+    layout = {f"{EVERY_ROLE}.vehicle.driven_wheels": _driven(board, cell)}
     return layout | {f"{MASTER}.road.{name}": value for name, value in values.items()}
+
+
+def _driven(board: Board, cell: Cell) -> list[str]:
+    return board.layouts[cell.car.partition(":")[2]]
 
 
 def _scale_of_angles(board: Board, cell: Cell) -> float:
@@ -204,12 +208,32 @@ def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
                 values[f"{MASTER}.road.{name}"] = [each[name] for each in surfaces]
         elif variation.parameter == TOLD_FRICTION:
             told = even
+        elif variation.parameter == MOTOR_FAULT:
+            values[f"{MASTER}.faults"] = _motor_faults(variation, _driven(board, cell), even, random)
+        elif variation.choice:
+            chosen = random.integers(len(variation.choice), size=board.draws).tolist()
+            values[variation.parameter] = [variation.choice[each] for each in chosen]
         elif variation.count:
             values[variation.parameter] = random.integers(int(low), int(high) + 1, size=board.draws).tolist()
         else:
             of_car = _value_in(base, variation.parameter) if variation.factor else 1.0
             values[variation.parameter] = [of_car * each for each in even]
     return Draws(values, told)
+
+
+def _motor_faults(
+    variation: Variation, wheels: Sequence[str], shares: Sequence[float], random: np.random.Generator
+) -> list[list[str]]:
+    """The faults of each run: none, or that of the motor of one of some wheels."""
+    struck = random.random(len(shares)) < variation.probability
+    places = random.integers(len(wheels), size=len(shares))
+    low, high = variation.begin
+    begins = low + (high - low) * random.random(len(shares))
+    texts = [
+        f"motor_share {wheels[place]} {share:.3f} from {begin:.2f}"
+        for place, share, begin in zip(places, shares, begins, strict=True)
+    ]
+    return [[text] if is_struck else [] for text, is_struck in zip(texts, struck, strict=True)]
 
 
 def _value_in(base: Mapping[str, Configuration], name: str) -> float:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.batches.batch import batch
+from ev_sim.batches.by_period import batch_by_period
 from ev_sim.benchmark.board import Board, Manoeuvre
 from ev_sim.manoeuvres.double_lane_change import passed
 from ev_sim.measures.handling import peak_sideslip
@@ -69,7 +69,7 @@ def highest_clean(
     low, high = (np.full(board.draws, end) for end in manoeuvre.searched)
     for _ in range(manoeuvre.halvings):
         middle = 0.5 * (low + high)
-        found = batch(
+        found = batch_by_period(
             run.configurations,
             manoeuvre.duration,
             {**vary, **at(middle)},

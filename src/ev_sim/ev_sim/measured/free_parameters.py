@@ -26,6 +26,7 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "tyres": _both("pdy1", "pky1", "pcy1", "pey1"),
     "load": _both("pdy2", "pky2"),
     "roll": ("vehicle.front_roll_share", "vehicle.centre_of_mass_height"),
+    "centre": ("vehicle.centre_of_mass_offset",),
     "compliance": tuple(f"vehicle.suspension.{axle}_compliance_steer" for axle in AXLES),
     "lag": ("vehicle.tyre.lateral_stiffness", "plant.load_transfer_lag"),
     "combined": ("plant.imposed_front_braking", *_both("rby1")),

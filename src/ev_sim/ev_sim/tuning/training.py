@@ -8,7 +8,7 @@ import numpy as np
 
 from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.batch import batch
+from ev_sim.batches.by_period import batch_by_period
 from ev_sim.benchmark.board import Board, by_role
 from ev_sim.benchmark.driving import DrivenCell, LawInCell, laws_in_cell
 from ev_sim.benchmark.scores import LARGEST, WORST, costs_of, interquartile_mean, tail_mean
@@ -66,7 +66,7 @@ class Training:
         for role, values in by_role(candidates[0]).items():
             for name in values:
                 vary[f"{role}.{name}"] = [by_role(each)[role][name] for each in candidates for _ in range(board.draws)]
-        metrics = batch(
+        metrics = batch_by_period(
             law.run.configurations, manoeuvre.duration, vary, metrics=manoeuvre.measured, threads=self._threads
         ).metrics
         reference = {name: np.tile(each, count) for name, each in of.metrics[board.reference].items()}

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
+from ev_core.lockstep.configuration import Configuration
 from ev_core.parameters.data_file import find_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measured.motor_map import fit_motor
 from ev_sim.measured.records.mapping import read_record
-from ev_sim.measured.records.record import SIDESLIP, YAW_RATE
+from ev_sim.measured.records.record import SIDESLIP, YAW_RATE, MeasuredRecord
 from ev_sim.measured.replays.estimates import estimates_of
 from ev_sim.measured.replays.open_loop import OpenLoop, graph, windows_of
 from ev_sim.measured.replays.validation import Validation, signals_to_show
@@ -24,6 +26,7 @@ from ev_sim.study.workers import drive_cases
 
 TRAINING, HELD_OUT = (0.0, 2.0 / 3.0), (2.0 / 3.0, 1.0)
 WINDOW = 5.0  # s
+SHIFTS = (0.0, 1.0, 2.0, 3.0, 4.0)  # [s] by which windows begin later: with all of them, at each second
 
 
 def track_record(folder: Path) -> dict[str, float]:
@@ -34,21 +37,27 @@ def track_record(folder: Path) -> dict[str, float]:
     record = read_record(folder / "ferrari_250lm_1.csv.xz", car / "record.yaml")
     beside = Overrides(files=[str(car / "identified_parameters.yaml")])
     configurations = graph(str(car / "identified.yaml"), record.period, beside)
-    judged = []
-    for part in (TRAINING, HELD_OUT):
-        replay = OpenLoop(record, windows_of(record, WINDOW, *part), configurations, signals_to_show())
-        judged.append(Validation(replay, {name: values[0] for name, values in replay.simulate().items()}, 0.0))
-    first, last = judged
-    found = {"track_windows_left": float(last.spun.sum())}
+    first, last = (
+        [_driven(record, configurations, begin + shift / (len(record.valid) * record.period), end) for shift in SHIFTS]
+        for begin, end in (TRAINING, HELD_OUT)
+    )
+    found = {"track_windows_left": float(last[0].spun.sum())}
+    found["track_windows_left_each_second"] = float(sum(each.spun.sum() for each in last))
     for name, signal, unit in (("yaw_rate", YAW_RATE, 1.0), ("sideslip", SIDESLIP, np.pi / 180.0)):
-        medians = [float(np.median(each.judged[signal].of_windows)) for each in judged]
-        found[f"track_{name}"] = first.judged[signal].errors.rms / unit
-        found[f"track_{name}_held_out"] = medians[1] / medians[0]
+        before, after = ([each.judged[signal].of_windows for each in part] for part in (first, last))
+        found[f"track_{name}"] = first[0].judged[signal].errors.rms / unit
+        found[f"track_{name}_held_out"] = float(np.median(after[0]) / np.median(before[0]))
+        found[f"track_{name}_each_second"] = float(np.median(after) / np.median(before))
     believed = ParameterFile(car / "estimators.yaml").values_for("/ev/slip_angle_observer", by_name=True)
     whole = OpenLoop(record, windows_of(record, WINDOW), configurations)
     estimates = {each.name: each.judged for each in estimates_of(whole, {"slip_angle_observer": believed})[0]}
     found["track_observer"] = float(np.degrees(estimates["slip_angle_observer"].errors.rms))
     return found
+
+
+def _driven(record: MeasuredRecord, car: Mapping[str, Configuration], begin: float, end: float) -> Validation:
+    replay = OpenLoop(record, windows_of(record, WINDOW, begin, end), car, signals_to_show())
+    return Validation(replay, {name: values[0] for name, values in replay.simulate().items()}, 0.0)
 
 
 def tyre_rig(folder: Path) -> dict[str, float]:

@@ -1,0 +1,107 @@
+"""Control periods and motor faults as variations: the same draws for all laws, and single runs with the same hash."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from ev_core.parameters.data_file import files_in_config
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.benchmark.board import Board, Variation, read_board
+from ev_sim.benchmark.driving import DrivenCell, drawn, drive_cell, run_of, values_of
+from ev_sim.commands.run_scenario import main
+
+PERIODS = [0.005, 0.02]
+VARIATIONS = [
+    {"parameter": "*.control_period", "choice": PERIODS},
+    {"parameter": "motor_fault", "value": [0.0, 0.5], "begin": [0.5, 1.0], "probability": 0.5},
+]
+STEP = "layout_1_8_c:all:step_steer:wet:*"
+LAWS = ["equal_torque", "pi"]
+DRAWS = 6
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A short board with these variations alone."""
+    content = yaml.safe_load(files_in_config("benchmarks")["small"].read_text())
+    content |= {"draws": DRAWS, "variations": VARIATIONS}
+    content["manoeuvres"]["step_steer"]["duration"] = 2.5
+    path = tmp_path_factory.mktemp("board") / "own.yaml"
+    path.write_text(yaml.safe_dump(content))
+    return path
+
+
+@pytest.fixture(scope="module")
+def board(path: Path) -> Board:
+    return read_board(str(path))
+
+
+@pytest.fixture(scope="module")
+def driven(board: Board) -> DrivenCell:
+    return drive_cell(board, board.cells(STEP)[0], LAWS)
+
+
+def stated(driven: DrivenCell, law: str, name: str) -> list[str]:
+    """What the command of each draw sets a parameter to."""
+    words = [shlex.split(each) for each in driven.commands[law]]
+    return [word.partition("=")[2] for each in words for word in each if word.startswith(f"{name}=")]
+
+
+def test_all_laws_have_the_same_periods_and_faults(driven: DrivenCell):
+    for name in ("*.control_period", "plant.faults"):
+        assert stated(driven, "pi", name) == stated(driven, "equal_torque", name)
+        assert 1 < len(set(stated(driven, "pi", name))) <= len(stated(driven, "pi", name)) == DRAWS
+
+
+def test_a_run_alone_has_the_hash_of_the_board(driven: DrivenCell, path: Path, tmp_path: Path, capsys):
+    """One with another control period than the scenario's, and one with a fault."""
+    faults = stated(driven, "pi", "plant.faults")
+    for draw in {next(n for n, each in enumerate(faults) if ("motor" in each) == has) for has in (True, False)}:
+        words = ["benchmark", str(path), "--cells", STEP, "--drive", f"pi:{draw}", "--offline", "--no-report"]
+        main([*words, "--out", str(tmp_path / str(draw))])
+        assert f"signal hash {driven.hashes['pi'][draw]}\n" in capsys.readouterr().out
+
+
+def test_draws_are_within_what_is_declared(board: Board):
+    """A thousand of them: the frequencies are within four standard deviations of a binomial distribution."""
+    many = replace(board, draws=1000)
+    (cell,) = many.cells(STEP)
+    base = run_of(board, cell, values_of(board, cell)).configurations
+    values = drawn(many, cell, base).values
+    assert set(values["*.control_period"]) == set(PERIODS)
+    faults = [each[0] for each in values["plant.faults"] if each]
+    assert abs(len(faults) - 500) < 4 * np.sqrt(1000 * 0.25)
+    found = [re.fullmatch(r"motor_share (\w+) (\S+) from (\S+)", each) for each in faults]
+    wheels, shares, begins = zip(*(each.groups() for each in found if each), strict=True)
+    assert set(wheels) == set(board.layouts["all"])
+    assert (min(map(float, shares)) >= 0.0) and (max(map(float, shares)) <= 0.5)
+    assert (min(map(float, begins)) >= 0.5) and (max(map(float, begins)) <= 1.0)
+    others = replace(many, variations=[*many.variations, Variation("plant.sensors.wheel_speed.noise", value=[0, 1])])
+    assert drawn(others, cell, base).values["plant.faults"] == values["plant.faults"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "line"),
+    [
+        ({"value": [0.5, 1.5]}, "variation of motor_fault needs value and begin, allowed are two shares within 0 to 1"),
+        ({"begin": []}, "variation of motor_fault needs value and begin"),
+        ({"probability": 1.5}, "variation of motor_fault has the probability 1.5, allowed is 0 to 1"),
+        ({"choice": [0.1]}, "variation of motor_fault has the bounds [0.0, 0.5], allowed are two that rise"),
+        ({"parameter": "friction"}, "variation of friction has begin or probability, allowed for motor_fault alone"),
+    ],
+)
+def test_what_is_wrong_is_one_line(path: Path, tmp_path: Path, changed: dict, line: str):
+    content = yaml.safe_load(path.read_text())
+    content["variations"] = [VARIATIONS[1] | changed]
+    wrong = tmp_path / "wrong.yaml"
+    wrong.write_text(yaml.safe_dump(content))
+    with pytest.raises(ParameterError) as refused:
+        read_board(str(wrong))
+    assert str(refused.value).startswith(f"{wrong}: {line}")
