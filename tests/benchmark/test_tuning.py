@@ -11,7 +11,7 @@ import pytest
 
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.driving import drive_cell
+from ev_sim.benchmark.driving import drive_cell, law_of, run_of, values_of
 from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.commands.tune import run_tune
 from ev_sim.tuning.free import Free, free_parameters
@@ -57,6 +57,15 @@ def test_bounds_are_those_of_the_declaration_and_two_decades(training: Training)
         free_parameters("pi", training.configurations, ["x*"])
     with pytest.raises(ParameterError, match="of law pi mean 1, allowed are two or more"):
         free_parameters("pi", training.configurations, ["wanted.lag"])
+
+
+def test_every_law_that_is_tuned_has_the_numbers_that_are_free():
+    """All of the closed division are, by the numbers of their controllers."""
+    cell = SMALL.cells()[-1]
+    run = run_of(SMALL, cell, values_of(SMALL, cell))
+    for law, patterns in SMALL.tuned.items():
+        free_parameters(law, law_of(SMALL, law, run), patterns)
+    assert set(SMALL.tuned) >= set(SMALL.closed)
 
 
 def test_numbers_of_the_traction_control_are_free_as_well(reference: list):

@@ -43,8 +43,10 @@ def run_tune(argv: Sequence[str]) -> None:
             raise ParameterError(f"--{name} {getattr(given, name)} is refused, allowed is {least} or more")
     board = replace(read_board(given.board), draws=given.draws)
     laws = list(board.tuned) if given.laws == [ALL] else given.laws
-    board, added = with_added(board, [law for law in laws if law not in board.laws])
-    names = list(board.tuned) if given.laws == [ALL] else [*(law for law in laws if law in board.laws), *added]
+    others = [law for law in laws if law not in board.laws]
+    board, added = with_added(board, others)
+    by_word = dict(zip(others, added, strict=True))
+    names = [by_word.get(law, law) for law in laws]
     check_laws(board, names, added)
     driven = _references(board, given)
     journals = []
