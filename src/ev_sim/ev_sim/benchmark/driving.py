@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import shlex
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,7 +19,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.by_period import batch_by_period
 from ev_sim.batches.variation import EVERY_ROLE
 from ev_sim.benchmark.board import FRICTION, MOTOR_FAULT, SIDES, TOLD_FRICTION, Board, Cell, Variation, by_role
-from ev_sim.benchmark.entry_speed import CLEAN, at_speeds, clean, highest_clean
+from ev_sim.benchmark.entry_speed import CLEAN, clean, highest_clean, searched_at
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
 from ev_sim.recording.recording import combined_hash
@@ -29,6 +30,7 @@ from ev_sim.surfaces import SURFACES
 BELIEF = ("known.error_factor", "error_factor")  # how laws call the friction that they believe in over the true one
 TYRES = ("single_track", "known.observer", "observer")  # groups in which laws keep what they believe of the tyres
 SCALE_OF_ANGLES = f"{COLUMN}.{SCALE}"
+_SEEDS, _FAULTS = f"{EVERY_ROLE}.seed", "faults"
 _ANYTHING = 2**31
 
 
@@ -103,12 +105,27 @@ def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | N
 def values_of(board: Board, cell: Cell) -> dict[str, Any]:
     """By ROLE.PARAMETER what is the same in all runs of a cell: layout, road, and what the manoeuvre sets."""
     manoeuvre = board.manoeuvres[cell.manoeuvre]
+    searched = searched_at(manoeuvre, np.array(manoeuvre.searched[:1]))
+    varied = [each.parameter for each in board.variations]
+    for number, name in enumerate(varied):
+        _refuse_twice("the board varies", [name], [*varied[:number], *searched])
+    anew = [each.parameter for each in board.variations if not each.factor]  # a factor is on what is set
+    _refuse_twice(f"manoeuvre {cell.manoeuvre} sets", manoeuvre.values, [*anew, *searched])
     values = {**_layout_and_road(board, cell), **manoeuvre.values}
     if manoeuvre.steering_on:
         values[SCALE_OF_ANGLES] = _scale_of_angles(board, replace(cell, road=manoeuvre.steering_on))
     if manoeuvre.entry_speed:
-        values |= {name: column[0] for name, column in at_speeds(np.array(manoeuvre.entry_speed)).items()}
+        values |= {name: column[0] for name, column in searched.items()}
     return values
+
+
+def _refuse_twice(who: str, names: Iterable[str], others: Sequence[str]) -> None:
+    """ParameterError if a ROLE.PARAMETER is set or varied a second time: one of the values would be lost."""
+    for name, other in itertools.product(names, others):
+        role, _, parameter = name.partition(".")
+        role_of_other, _, same = other.partition(".")
+        if parameter == same and (role == role_of_other or EVERY_ROLE in (role, role_of_other)):
+            raise ParameterError(f"{who} {name}, and {other} is varied already, allowed is one of them")
 
 
 def _layout_and_road(board: Board, cell: Cell) -> dict[str, Any]:
@@ -181,6 +198,8 @@ def law_values(board: Board, law: str, base: Run) -> dict[str, dict[str, Any]]:
                 name = f"{group}.{axle}_cornering_stiffness"
                 if name in known and name not in values:
                     values[name] = value
+        varied = [_SEEDS, *(each.parameter for each in board.variations)]
+        _refuse_twice("it states", [f"{role}.{name}" for name in values], varied)
     return found
 
 
@@ -197,7 +216,7 @@ def law_of(board: Board, law: str, base: Run) -> dict[str, Configuration]:
 def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
     """The draws of a cell, by the seed of the board and the name of the cell."""
     random = np.random.Generator(np.random.PCG64([board.seed, zlib.crc32(cell.id("").encode())]))
-    values: dict[str, list[Any]] = {f"{EVERY_ROLE}.seed": random.integers(_ANYTHING, size=board.draws).tolist()}
+    values: dict[str, list[Any]] = {_SEEDS: random.integers(_ANYTHING, size=board.draws).tolist()}
     told = [1.0] * board.draws
     for variation in board.variations:
         low, high = variation.bounds
@@ -209,7 +228,9 @@ def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
         elif variation.parameter == TOLD_FRICTION:
             told = even
         elif variation.parameter == MOTOR_FAULT:
-            values[f"{MASTER}.faults"] = _motor_faults(variation, _driven(board, cell), even, random)
+            of_run = base[MASTER].values()[_FAULTS]
+            faults = _motor_faults(variation, _driven(board, cell), even, random)
+            values[f"{MASTER}.{_FAULTS}"] = [[*of_run, *each] for each in faults]
         elif variation.choice:
             chosen = random.integers(len(variation.choice), size=board.draws).tolist()
             values[variation.parameter] = [variation.choice[each] for each in chosen]
@@ -245,8 +266,16 @@ def _value_in(base: Mapping[str, Configuration], name: str) -> float:
 
 
 def own_draws(law: Mapping[str, Configuration], draws: Draws) -> dict[str, Sequence[float]]:
-    """What is drawn for a law alone: the friction that it believes in, under the names that it has for it."""
-    return {f"{role}.{name}": draws.told for role, of in law.items() for name in BELIEF if name in of.values()}
+    """What is drawn for a law alone: by the names that it has for the friction it believes in, its own factor x told.
+
+    ParameterError if one of the products is beyond the bounds of that name.
+    """
+    return {
+        f"{role}.{name}": [own * told for told in draws.told]
+        for role, of in law.items()
+        for name, own in of.values().items()
+        if name in BELIEF
+    }
 
 
 def words_of(board: Board, cell: Cell, runs: LawInCell, draw: int) -> list[str]:

@@ -57,6 +57,13 @@ def at_scales(scales: np.ndarray) -> dict[str, list[Any]]:
     return {f"{_DRIVER}.limit.scale": scales.tolist()}
 
 
+def searched_at(manoeuvre: Manoeuvre, values: np.ndarray) -> dict[str, list[Any]]:
+    """What has to vary for what a manoeuvre raises, a value for each run (n,); nothing if it raises nothing."""
+    if manoeuvre.entry_speed:
+        return at_speeds(values)
+    return at_scales(values) if manoeuvre.speed_scale else {}
+
+
 def highest_clean(
     board: Board, manoeuvre: Manoeuvre, run: Run, vary: Mapping[str, Iterable[Any]], threads: int | None
 ) -> dict[str, list[Any]]:
@@ -65,17 +72,16 @@ def highest_clean(
     Between a speed that was clean and one that was not the middle is driven, `halvings` times. Where cleanness comes
     and goes with the speed this finds one of its ends.
     """
-    at = at_speeds if manoeuvre.entry_speed else at_scales
     low, high = (np.full(board.draws, end) for end in manoeuvre.searched)
     for _ in range(manoeuvre.halvings):
         middle = 0.5 * (low + high)
         found = batch_by_period(
             run.configurations,
             manoeuvre.duration,
-            {**vary, **at(middle)},
+            {**vary, **searched_at(manoeuvre, middle)},
             metrics=[clean(board, run)],
             threads=threads,
         )
         is_clean = found.metrics[CLEAN] == 1.0
         low, high = np.where(is_clean, middle, low), np.where(is_clean, high, middle)
-    return at(low)
+    return searched_at(manoeuvre, low)

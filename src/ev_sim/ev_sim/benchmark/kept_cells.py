@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -84,7 +85,7 @@ class KeptCells(Sequence[DrivenCell]):
         for (cell, law), name in self._names.items():
             try:
                 self._part(name)
-            except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+            except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile, zlib.error):
                 found.setdefault(cell, []).append(law)
         return found
 

@@ -7,25 +7,23 @@ from __future__ import annotations
 
 import argparse
 import csv
-import hashlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ev_core.lockstep.finding import is_code
-from ev_core.parameters.data_file import TEXT, read_data
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.added import check_laws, with_added
 from ev_sim.benchmark.board import COSTS, Board, Cell, by_role, read_board
 from ev_sim.benchmark.driving import DrivenCell, drive_cell, law_of, run_of, values_of
 from ev_sim.benchmark.held_out import with_cases
+from ev_sim.benchmark.kept_cells import KeptCells
 from ev_sim.command_line.options import command_of
 from ev_sim.command_line.refusal import Parser
 from ev_sim.measured.journal import Journal
 from ev_sim.recording.outcome import bar_of_runs
 from ev_sim.recording.recording import atomic_file
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.study.kept_rows import digest_of_sources
+from ev_sim.study.kept_rows import short_digest
 from ev_sim.tuning.free import Free, free_parameters
 from ev_sim.tuning.search import Candidate, chosen, search
 from ev_sim.tuning.training import Training
@@ -54,7 +52,7 @@ def run_tune(argv: Sequence[str]) -> None:
     for law, name in zip(laws, names, strict=True):
         of = given.out or Path("results/tune")
         folder = of / name if len(laws) > 1 or not given.out else of
-        journals.append(_tune(board, law, name, folder, driven, free[name], given, command_of(["tune", *argv])))
+        journals.append(_tune(board, name, folder, driven, free[name], given, command_of(["tune", *argv])))
     for journal in journals:  # up to here a command that was stopped finds all of them
         journal.remove()
 
@@ -107,7 +105,6 @@ def _free(board: Board, law: str, given: argparse.Namespace) -> list[Free]:
 
 def _tune(
     board: Board,
-    law: str,
     name: str,
     out: Path,
     driven: References,
@@ -117,11 +114,9 @@ def _tune(
 ) -> Journal:
     result = f"{name}_tuned.yaml"
     with OutputFolder(out, "tune", (result, HISTORY, JOURNAL), keeps=[JOURNAL]) as folder:
-        training, validation = (
-            Training(replace(of, laws=board.laws), name, runs, given.cost, given.threads)
-            for of, runs in driven.values()
-        )
-        journal = Journal(folder.directory / JOURNAL, _key(board, law, name, free, given))
+        sets = [(replace(of, laws=board.laws), runs) for of, runs in driven.values()]
+        training, validation = (Training(of, name, runs, given.cost, given.threads) for of, runs in sets)
+        journal = Journal(folder.directory / JOURNAL, search_key(sets, name, free, given))
         history, more = [], min(given.finalists + 1, given.budget) * validation.runs
         with bar_of_runs(f"tune {name}", given.budget * training.runs + more) as bar:
             for candidate in search(training, free, given.budget, given.seed, journal.answer):
@@ -145,13 +140,13 @@ def _tune(
     return journal
 
 
-def _key(board: Board, law: str, name: str, free: Sequence[Free], given: argparse.Namespace) -> str:
-    """A digest of all that the costs depend on but the candidates."""
-    file = law.partition(":")[0].partition("=")[0]
-    text = read_data(Path(file), TEXT) if is_code(law) else b""
-    others = replace(board, laws={each: board.laws[each] for each in (board.reference, name)}, tuned={})
-    choices = (digest_of_sources(), others, [*free], given.cells, given.cost, given.seed)
-    return hashlib.sha256(repr(choices).encode() + text).hexdigest()
+def search_key(
+    sets: Sequence[tuple[Board, Sequence[DrivenCell]]], law: str, free: Sequence[Free], given: argparse.Namespace
+) -> str:
+    """A digest of all that the costs of a law depend on but the candidates: its runs, and those of the reference."""
+    runs = [KeptCells(of, [each.cell for each in cells], [of.reference, law]).files for of, cells in sets]
+    scales = [of.scales for of, _ in sets]
+    return short_digest((runs, scales, [*free], given.cost, given.seed))
 
 
 def _write(path: Path, free: Sequence[Free], best: Candidate, lines: Sequence[str]) -> None:
