@@ -43,8 +43,9 @@ def test_only_what_is_missing_or_would_be_another_number_is_driven(tmp_path: Pat
         found = KeptCells(board, board.cells(STEP), LAWS, tmp_path).missing()
         assert [law for of in found.values() for law in of] == missing
     half = tmp_path / kept.files[0]
-    half.write_bytes(half.read_bytes()[:-100])
-    assert kept.missing() == {cells[0]: [LAWS[0]]}
+    for rest in (half.read_bytes()[:-100], b""):  # a machine without power leaves an empty one
+        half.write_bytes(rest)
+        assert kept.missing() == {cells[0]: [LAWS[0]]}
 
 
 def test_many_runs_stand_one_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import csv
 from dataclasses import replace
 from pathlib import Path
@@ -9,15 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.driving import drive_cell, law_of, run_of, values_of
+from ev_sim.benchmark.driving import DrivenCell, drive_cell, law_of, run_of, values_of
 from ev_sim.commands.benchmark import run_benchmark
-from ev_sim.commands.tune import run_tune
+from ev_sim.commands.tune import run_tune, search_key
 from ev_sim.tuning.free import Free, free_parameters
 from ev_sim.tuning.search import chosen, search
 from ev_sim.tuning.training import Training, robust_cost
 
+EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "yaw_moment.py"
 CELL = "layout_1_8_c:all:step_steer:wet:*"
 WORDS = ["pi", "--free", "pi.*,wanted.lag", "--cells", CELL, "--draws", "1", "--budget", "9"]
 SMALL = read_board("small")
@@ -155,6 +158,26 @@ def test_a_stopped_search_goes_on_and_gives_the_same(tmp_path: Path, monkeypatch
     ]
     run_benchmark(words)
     assert "pi_tuned" in capsys.readouterr().out
+
+
+def test_a_search_goes_on_only_while_no_file_of_its_runs_has_changed(tmp_path: Path):
+    """A vehicle and a law file, which only their contents tell apart from what they were."""
+    car, law = tmp_path / "car.yaml", tmp_path / "own.py"
+    car.write_text(files_in_config("vehicles")["layout_1_8_c"].read_text())
+    law.write_text(EXAMPLE.read_text())
+    board = replace(SMALL, cars=[f"{car}:all"], laws={**SMALL.laws, "own": {"method": str(law)}})
+    cells = [DrivenCell(each, {}, {}, {}, {}) for each in board.cells("*:step_steer:wet:*")]
+    given = argparse.Namespace(cost="handling", seed=1)
+
+    def key() -> str:
+        return search_key([(board, cells)], "own", [], given)
+
+    keys = [key(), key()]
+    for file, old, new in ((car, "mass: 1600.0", "mass: 1700.0"), (law, '"""A law', '"""The law')):
+        file.write_text(file.read_text().replace(old, new, 1))
+        keys.append(key())
+    assert keys[0] == keys[1]
+    assert len({*keys}) == 3
 
 
 @pytest.mark.parametrize(

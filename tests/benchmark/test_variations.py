@@ -13,8 +13,8 @@ import yaml
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.benchmark.board import Board, Variation, read_board
-from ev_sim.benchmark.driving import DrivenCell, drawn, drive_cell, run_of, values_of
+from ev_sim.benchmark.board import TOLD_FRICTION, Board, Variation, read_board
+from ev_sim.benchmark.driving import DrivenCell, drawn, drive_cell, law_of, own_draws, run_of, values_of
 from ev_sim.commands.run_scenario import main
 
 PERIODS = [0.005, 0.02]
@@ -85,6 +85,69 @@ def test_draws_are_within_what_is_declared(board: Board):
     assert (min(map(float, begins)) >= 0.5) and (max(map(float, begins)) <= 1.0)
     others = replace(many, variations=[*many.variations, Variation("plant.sensors.wheel_speed.noise", value=[0, 1])])
     assert drawn(others, cell, base).values["plant.faults"] == values["plant.faults"]
+
+
+def test_what_a_law_believes_is_its_own_factor_by_what_is_told(board: Board):
+    """A law that believes in half the friction is told half of what the board draws, not all of it."""
+    told = replace(board, variations=[Variation(TOLD_FRICTION, factor=[0.7, 1.3])])
+    (cell,) = told.cells(STEP)
+    base = run_of(told, cell, values_of(told, cell))
+    draws = drawn(told, cell, base.configurations)
+    name = "electronic_differential.known.error_factor"
+    for own in (1.0, 0.5):
+        laws = {**told.laws, "pi": {**told.laws["pi"], "known.error_factor": own}}
+        found = own_draws(law_of(replace(told, laws=laws), "pi", base), draws)
+        assert found == {name: [own * each for each in draws.told]}
+
+
+def test_a_drawn_fault_comes_beside_those_of_the_run(board: Board):
+    step, fault = board.manoeuvres["step_steer"], "motor_share front_left 0.500 from 0.00"
+    limps = replace(step, values={**step.values, "plant.faults": [fault]})
+    limping = replace(board, manoeuvres={"step_steer": limps})
+    (cell,) = limping.cells(STEP)
+    faults = drawn(limping, cell, run_of(limping, cell, values_of(limping, cell)).configurations).values["plant.faults"]
+    assert {each[0] for each in faults} == {fault}
+    assert {len(each) for each in faults} == {1, 2}
+
+
+PERIOD, MASS = "*.control_period", "*.vehicle.mass"
+
+
+@pytest.mark.parametrize(
+    ("variations", "values", "law", "line"),
+    [
+        ([Variation(MASS, factor=[1, 2])] * 2, {}, {}, f"the board varies {MASS}, and {MASS} is varied already"),
+        (
+            [Variation("plant.initial_speed", value=[1, 2])],
+            {"plant.initial_speed": 3.0},
+            {},
+            "manoeuvre step_steer sets plant.initial_speed, and plant.initial_speed is varied already",
+        ),
+        (
+            [Variation(PERIOD, choice=PERIODS)],
+            {},
+            {"control_period": 0.02},
+            f"law pi: it states electronic_differential.control_period, and {PERIOD} is varied already",
+        ),
+        ([], {}, {"seed": 3}, "law pi: it states electronic_differential.seed, and *.seed is varied already"),
+    ],
+)
+def test_nothing_that_is_stated_is_overwritten_by_what_is_drawn(
+    board: Board, variations: list, values: dict, law: dict, line: str
+):
+    manoeuvres = {"step_steer": replace(board.manoeuvres["step_steer"], values=values)}
+    laws = {**board.laws, "pi": {**board.laws["pi"], **law}}
+    own = replace(board, variations=variations, manoeuvres=manoeuvres, laws=laws)
+    (cell,) = own.cells(STEP)
+    with pytest.raises(ParameterError, match=re.escape(line)):
+        law_of(own, "pi", run_of(own, cell, values_of(own, cell)))
+
+
+def test_what_is_searched_is_not_drawn(board: Board):
+    searched = replace(board.manoeuvres["step_steer"], entry_speed=[5.0, 10.0])
+    own = replace(board, manoeuvres={"step_steer": searched}, variations=[Variation("plant.initial_speed", value=[1, 2])])
+    with pytest.raises(ParameterError, match=re.escape("the board varies plant.initial_speed")):
+        values_of(own, own.cells(STEP)[0])
 
 
 @pytest.mark.parametrize(

@@ -29,6 +29,7 @@ from ev_core.compiling import user_cache
 from ev_core.compiling.fingerprint import fingerprint
 from ev_core.compiling.user_cache import cache_folder, read_checked, write_checked
 from ev_core.law import ParameterError, compilable
+from ev_core.parameters.data_file import files_read
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import signal_hash
 from ev_sim.scenarios.scenario import load_scenario
@@ -124,7 +125,9 @@ def test_a_file_is_read_whole_or_not_at_all(tmp_path_factory, content, at, chang
     """Change 0 cuts it off there, any other changes a byte."""
     file = tmp_path_factory.mktemp("files") / "some.code"
     write_checked(file, content)
-    assert read_checked(file) == content
+    with files_read() as inputs:
+        assert read_checked(file) == content
+    assert not inputs  # else what a run depends on would change with what was compiled before
     written = file.read_bytes()
     place = int(at * len(written))
     rest = bytes([written[place] ^ change]) + written[place + 1 :] if change else b""

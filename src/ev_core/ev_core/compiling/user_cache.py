@@ -98,7 +98,7 @@ def write_checked(file: Path, content: bytes) -> None:
 def read_checked(file: Path) -> bytes | None:
     """What `write_checked` wrote; None if it is not there, or does not fit its checksum: then it is removed."""
     try:
-        written = read_data(file, SIGNALS)
+        written = read_data(file, SIGNALS, is_input=False)
     except FileNotFoundError:
         return None
     content = written[len(_checksum(b"")) :]

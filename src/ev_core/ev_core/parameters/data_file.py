@@ -127,8 +127,11 @@ def _tell(path: Path | str, file: BufferedReader) -> None:
         each[os.fspath(path)] = digest
 
 
-def open_data(path: Path | str, most: int) -> IO[bytes]:
-    """A regular file of at most so many bytes; OSError, whose strerror gives what is allowed, for anything else."""
+def open_data(path: Path | str, most: int, is_input: bool = True) -> IO[bytes]:
+    """A regular file of at most so many bytes; OSError, whose strerror gives what is allowed, for anything else.
+
+    Unless it `is_input`, such as of a cache that is made anew without it, `files_read` leaves it out.
+    """
     if "\0" in os.fspath(path):
         raise OSError(errno.EINVAL, "it has a null byte, allowed is the path of a file", str(path))
     opened = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
@@ -144,15 +147,15 @@ def open_data(path: Path | str, most: int) -> IO[bytes]:
         os.close(opened)
         raise
     file = os.fdopen(opened, "rb")
-    if _listening:
+    if _listening and is_input:
         _tell(path, file)
         file.seek(0)
     return file
 
 
-def read_data(path: Path | str, most: int) -> bytes:
+def read_data(path: Path | str, most: int, is_input: bool = True) -> bytes:
     """The bytes of a file of data; OSError as `open_data`, also if it has more of them than its size, as in /proc."""
-    with open_data(path, most) as file:
+    with open_data(path, most, is_input) as file:
         content = file.read(most + 1)
     if len(content) > most:
         allowed = f"it has more than it says, allowed is a regular file of at most {most // MEGABYTE} MB"
