@@ -29,6 +29,8 @@ def compile_code(words: Sequence[str]) -> None:
     import ev_control.methods
     import ev_sim.methods
     from ev_core.parameters.data_file import VARIABLE
+    from ev_msgs_py.contract.fields import SignalError
+    from ev_msgs_py.refusal import ParameterError
     from ev_sim.command_line.options import arguments, overrides, own_nodes
     from ev_sim.running.beforehand import compile_for, compile_units, stepping
     from ev_sim.scenarios.scenario import load_scenario
@@ -40,7 +42,7 @@ def compile_code(words: Sequence[str]) -> None:
     try:
         given = arguments(words)
         runs = load_scenario(given.scenario, overrides(given), given.run).runs
-    except (Exception, SystemExit):
+    except (ParameterError, SignalError, OSError, SystemExit):
         compile_units(stepping(in_nodes=True))
     else:
         compile_for(runs, not given.offline, own_nodes(given))

@@ -218,14 +218,26 @@ compile_ahead() {
 build() {
     [[ "${#ahead[@]}" -gt 0 ]] || compile_ahead code "${to_run[@]}"
     compile_ahead imports
-    .venv/bin/python -m colcon build --symlink-install --base-paths src || return
-    wait "${ahead[@]}" || true # what cannot be compiled says so when it is used
+    .venv/bin/python -m colcon build --symlink-install --base-paths src
+}
+
+# The planar plant takes longer than colcon; what cannot be compiled says so when it is used.
+wait_for_ahead() {
+    local counted="" shown=""
+    while [[ -n "$(jobs -rp)" ]]; do
+        counted="$(grep -o 'compiling (once) [0-9]* of [0-9]*' log/compile_ahead.log | tail -n 1)" || true
+        [[ "$counted" == "$shown" ]] || printf '\r%s ' "$counted" >&2
+        shown="$counted"
+        sleep 0.1
+    done
+    [[ -z "$shown" ]] || echo >&2
     ahead=()
 }
 
 build_workspace() {
     rm -f install/.complete
     step "building the workspace" build
+    wait_for_ahead
     record_environment
     record_paths
     ln -sf "$root/install/ev_sim/lib/ev_sim/ev-stack" .venv/bin/ev-stack

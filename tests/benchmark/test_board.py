@@ -162,6 +162,7 @@ def test_what_cannot_be_driven_alone_is_one_line(words: list[str], line: str):
         ("peak_slip: 0.02", "peak_slip: 0", "scales lacks a number above 0 for peak_slip of launch"),
         ("factor: [1.0, 1.2]", "factor: [1.2, 1.0]", "variation of *.vehicle.mass has the bounds [1.2, 1.0]"),
         ("{method: load_proportional}", "{}", "law load_proportional lacks method"),
+        ("  pi: [pi.*]", "  pi: pi.*", "tuned has pi with 'pi.*', allowed is a list of texts"),
         ("{method: load_proportional}", "{method: open, asr.backstop: 1}", "law load_proportional lacks asr.method"),
         ("closed: [pi,", "closed: [pi_neutral,", "closed has laws that differ in one of method, reference,"),
     ],

@@ -11,7 +11,7 @@ import pytest
 
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.driving import drive_cell
+from ev_sim.benchmark.driving import drive_cell, law_of, run_of, values_of
 from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.commands.tune import run_tune
 from ev_sim.tuning.free import Free, free_parameters
@@ -34,6 +34,12 @@ def training(reference: list) -> Training:
     return Training(SMALL, "pi", reference, "handling", threads=None)
 
 
+def configurations(law: str) -> dict:
+    """A law by role, for the last car."""
+    cell = SMALL.cells()[-1]
+    return law_of(SMALL, law, run_of(SMALL, cell, values_of(SMALL, cell)))
+
+
 def history(folder: Path) -> list[list[str]]:
     """Rows of the history behind its head."""
     with (folder / "history.csv").open() as file:
@@ -48,21 +54,28 @@ def test_shares_are_values_within_the_bounds():
     assert (by_sums.share, by_sums.value(0.25), by_sums.value(1.0)) == (0.25, 0.0, 3.0)
 
 
-def test_bounds_are_those_of_the_declaration_and_two_decades(training: Training):
+def test_bounds_are_those_of_the_declaration_and_two_decades():
     """pi.bandwidth: 10, allowed are 0 to 200; wanted.lag: 0.05, allowed are 0.001 to 1."""
-    lag, bandwidth = free_parameters("pi", training.configurations, ["pi.bandwidth", "wanted.lag"])
+    lag, bandwidth = free_parameters("pi", configurations("pi"), ["pi.bandwidth", "wanted.lag"])
     assert (bandwidth.low, bandwidth.high) == (pytest.approx(0.1), 200.0)
     assert (lag.low, lag.high) == (0.001, 1.0)
     with pytest.raises(ParameterError, match="unknown number of law pi 'x"):
-        free_parameters("pi", training.configurations, ["x*"])
+        free_parameters("pi", configurations("pi"), ["x*"])
     with pytest.raises(ParameterError, match="of law pi mean 1, allowed are two or more"):
-        free_parameters("pi", training.configurations, ["wanted.lag"])
+        free_parameters("pi", configurations("pi"), ["wanted.lag"])
+
+
+def test_every_law_that_is_tuned_has_the_numbers_that_are_free():
+    """All of the closed division are, by the numbers of their controllers."""
+    for law, patterns in SMALL.tuned.items():
+        free_parameters(law, configurations(law), patterns)
+    assert set(SMALL.tuned) >= set(SMALL.closed)
 
 
 def test_numbers_of_the_traction_control_are_free_as_well(reference: list):
     """Under the name that the board has for them; the bounds are those of its declaration."""
     of_asr = Training(SMALL, "asr", reference, "handling", threads=None)
-    free = free_parameters("asr", of_asr.configurations, ["asr.natural_frequency", "pi.bandwidth"])
+    free = free_parameters("asr", configurations("asr"), ["asr.natural_frequency", "pi.bandwidth"])
     assert {each.name.partition(".")[0] for each in free} == {"asr", "pi"}
     costs = of_asr.costs([{each.name: each.start for each in free}] * 2)
     assert costs[0] == costs[1] < 3.0
@@ -76,7 +89,7 @@ def test_the_cost_is_what_ranks():
 
 def test_other_runs_choose_among_the_best(training: Training, monkeypatch: pytest.MonkeyPatch):
     """The start stays where none of the best candidates is better on them, and nobody else is asked for."""
-    free = free_parameters("pi", training.configurations, ["pi.*"])
+    free = free_parameters("pi", configurations("pi"), ["pi.*"])
     monkeypatch.setattr(Training, "costs", lambda self, found: np.array([each["pi.bandwidth"] for each in found]))
     found = list(search(training, free, 12, 1, lambda shares, compute: compute(shares)))
     asked = []
@@ -148,6 +161,7 @@ def test_a_stopped_search_goes_on_and_gives_the_same(tmp_path: Path, monkeypatch
     ("words", "line"),
     [
         (["none"], "unknown electronic_differential method 'none'"),
+        (["pi", "lqr", "--free", "pi.*,none"], "unknown number of law pi 'none'"),
         (["pi", "--budget", "1"], "--budget 1 is refused, allowed is 2 or more"),
         (["pi", "--board", "full", "--cells", "*:skidpad:dry:*"], "--cells leaves none to tune on"),
     ],

@@ -1,7 +1,7 @@
 """Train policy.py in Gymnasium environments by evolution (CMA-ES), and write its weights as a parameter file.
 
-    python docs/examples/learned/train.py weights.yaml [--generations 25] [--seed 1] [--duration 6]
-    scripts/run.sh benchmark --add docs/examples/learned/policy.py=weights.yaml --laws pi
+    python docs/examples/learned/train.py my_policy.yaml [--generations 25] [--seed 1] [--duration 6]
+    scripts/run.sh benchmark --add docs/examples/learned/policy.py=my_policy.yaml --laws pi
 
 The network has 15 weights, so a search without gradients is enough, and no framework for deep learning is needed.
 """

@@ -65,15 +65,15 @@ def test_a_car_that_leaves_the_course_no_faster_than_by_the_fixed_split_gains_no
         law, scale = name.partition(": ")[0].rsplit(" ", 1)
         return None if quantity == "lap_time" and law.endswith("least_squares") and float(scale) > 0.87 else value
 
-    assert judged("broere.lap") == "reproduced"
+    assert judged("broere.lap") == "in part"  # not with the best brakes of each
     assert judged("broere.lap", slower) == "not reproduced"
 
 
 def test_a_lap_is_driven_by_the_drawn_friction_and_scale():
-    """21 scales, 5 draws, 4 + 1 + 2 + 2 + 2 laws; the driver knows the friction of the draw."""
+    """21 scales, 5 draws, 4 + 1 + 5 times 2 laws; the driver knows the friction of the draw."""
     cases = {case.name: case for case in lap.cases(Namespace())}
-    assert len(cases) == 21 * 5 * 11
-    given = run_of(cases["all gentle truth pi_neutral_least_squares 0.90: 2"]).configurations
+    assert len(cases) == 21 * 5 * 15
+    given = run_of(cases["all accelerates less truth pi_neutral_least_squares 0.90: 2"]).configurations
     driver, law = (given[role].values() for role in ("driver", "electronic_differential"))
     assert (driver["limit.scale"], driver["limit.driving"]) == (0.9, 0.6)
     assert driver["limit.friction"] == drawn()["friction"][2]

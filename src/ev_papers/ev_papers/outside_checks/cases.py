@@ -182,9 +182,16 @@ def of_draws(results: Results, name: str, quantity: str) -> np.ndarray:
     return np.array([results[f"{name}: {draw}"].measured.get(quantity, math.nan) for draw in range(DRAWS)])
 
 
-def interval(values: np.ndarray, resamples: int = 1000) -> tuple[float, float, float]:
+RESAMPLES = 1000
+
+
+@cache
+def _chosen(draws: int) -> np.ndarray:
+    """Which draws each resample has, (resamples, draws)."""
+    return np.random.Generator(np.random.PCG64(SEED)).integers(draws, size=(RESAMPLES, draws))
+
+
+def interval(values: np.ndarray) -> tuple[float, float, float]:
     """The median of the draws and the ends of its 95 % interval by a seeded bootstrap."""
-    random = np.random.Generator(np.random.PCG64(SEED))
-    again = np.median(values[random.integers(len(values), size=(resamples, len(values)))], axis=1)
-    low, high = np.percentile(again, (2.5, 97.5))
+    low, high = np.percentile(np.median(values[_chosen(len(values))], axis=1), (2.5, 97.5))
     return float(np.median(values)), float(low), float(high)

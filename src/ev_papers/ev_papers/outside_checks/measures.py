@@ -79,21 +79,24 @@ def surely_slides_less(study: StudyCases, law: str, other: str, told: float) -> 
     return interval(one - than)[2] < 0.0
 
 
-def _cell(car: str, driver: str, known: str) -> tuple[str, str, str]:
-    return car, "" if driver == "file" else driver, _KNOWN[known]
+_SETUPS = {"file": "", "less": "accelerates less", "front": lap.FRONT_BRAKES}
 
 
-def lap_gain(study: StudyCases, law: str, car: str = "all", driver: str = "file", known: str = "truth") -> float:
+def lap_gain(study: StudyCases, law: str, car: str = "all", setup: str = "file", known: str = "truth") -> float:
     """By what a law shortens the best clean lap of equal torques, median of the draws [%]."""
-    car, driver, known = _cell(car, driver, known)
-    return 100.0 * float(np.median(lap.gains(study.results, car, law, driver, known)))
+    return 100.0 * float(np.median(lap.gains(study.results, car, law, _SETUPS[setup], _KNOWN[known])))
+
+
+def lap_gain_by_best_brakes(study: StudyCases, law: str) -> float:
+    """The same where each of both has the balance of the brakes with which it is fastest [%]."""
+    return 100.0 * float(np.median(lap.gains_by_best_brakes(study.results, law)))
 
 
 def least_lap_gain(study: StudyCases, law: str) -> float:
-    """The lower end of the 95 % interval of this gain [%]."""
+    """The lower end of the 95 % interval of the gain with the brakes of the file [%]."""
     return 100.0 * interval(lap.gains(study.results, "all", law))[1]
 
 
-def best_lap(study: StudyCases, law: str, car: str = "all") -> float:
+def best_lap(study: StudyCases, law: str, setup: str = "file") -> float:
     """The best clean lap, median of the draws [s]."""
-    return float(np.median(lap.best(study.results, car, law)))
+    return float(np.median(lap.best(study.results, "all", law, _SETUPS[setup])))

@@ -11,7 +11,7 @@ from typing import Any
 import yaml
 
 from ev_core.parameters.data_file import TEXT, TextOfFile, read_data
-from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.benchmark.records import is_of, mapping, record
 from ev_sim.measures import motion
 from ev_sim.measures.metric import HIGHER
@@ -254,6 +254,9 @@ def _refuse(board: Board, path: Path) -> None:
             if "method" not in stated:
                 raise ParameterError(f"law {name} lacks {'' if role == ROLE else f'{role}.'}method")
     _known("law of tuned", list(board.tuned), board.laws)
+    for name, patterns in board.tuned.items():
+        if not (isinstance(patterns, list) and all(is_of(each, "str") for each in patterns)):
+            raise ParameterError(f"tuned has {name} with {quoted(str(patterns))}, allowed is a list of texts")
     _known("law of closed", board.closed, board.laws)
     alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
     if len(alike) > 1:

@@ -17,7 +17,7 @@ from ev_core.parameters.data_file import TEXT, read_data
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.added import check_laws, with_added
 from ev_sim.benchmark.board import COSTS, Board, Cell, by_role, read_board
-from ev_sim.benchmark.driving import DrivenCell, drive_cell
+from ev_sim.benchmark.driving import DrivenCell, drive_cell, law_of, run_of, values_of
 from ev_sim.benchmark.held_out import with_cases
 from ev_sim.command_line.options import command_of
 from ev_sim.command_line.refusal import Parser
@@ -43,15 +43,18 @@ def run_tune(argv: Sequence[str]) -> None:
             raise ParameterError(f"--{name} {getattr(given, name)} is refused, allowed is {least} or more")
     board = replace(read_board(given.board), draws=given.draws)
     laws = list(board.tuned) if given.laws == [ALL] else given.laws
-    board, added = with_added(board, [law for law in laws if law not in board.laws])
-    names = list(board.tuned) if given.laws == [ALL] else [*(law for law in laws if law in board.laws), *added]
+    others = [law for law in laws if law not in board.laws]
+    board, added = with_added(board, others)
+    by_word = dict(zip(others, added, strict=True))
+    names = [by_word.get(law, law) for law in laws]
     check_laws(board, names, added)
+    free = {name: _free(board, name, given) for name in names}
     driven = _references(board, given)
     journals = []
     for law, name in zip(laws, names, strict=True):
         of = given.out or Path("results/tune")
         folder = of / name if len(laws) > 1 or not given.out else of
-        journals.append(_tune(board, law, name, folder, driven, given, command_of(["tune", *argv])))
+        journals.append(_tune(board, law, name, folder, driven, free[name], given, command_of(["tune", *argv])))
     for journal in journals:  # up to here a command that was stopped finds all of them
         journal.remove()
 
@@ -94,8 +97,23 @@ def _references(board: Board, given: argparse.Namespace) -> References:
     }
 
 
+def _free(board: Board, law: str, given: argparse.Namespace) -> list[Free]:
+    """The numbers of a law that are free; they start where they are for the first car."""
+    training = with_cases(board, "training", given.seed)
+    cell = training.cells(given.cells)[0]
+    patterns = given.free.split(",") if given.free else board.tuned.get(law, ["*"])
+    return free_parameters(law, law_of(training, law, run_of(training, cell, values_of(training, cell))), patterns)
+
+
 def _tune(
-    board: Board, law: str, name: str, out: Path, driven: References, given: argparse.Namespace, command: str
+    board: Board,
+    law: str,
+    name: str,
+    out: Path,
+    driven: References,
+    free: Sequence[Free],
+    given: argparse.Namespace,
+    command: str,
 ) -> Journal:
     result = f"{name}_tuned.yaml"
     with OutputFolder(out, "tune", (result, HISTORY, JOURNAL), keeps=[JOURNAL]) as folder:
@@ -103,9 +121,7 @@ def _tune(
             Training(replace(of, laws=board.laws), name, runs, given.cost, given.threads)
             for of, runs in driven.values()
         )
-        patterns = given.free.split(",") if given.free else board.tuned.get(name, ["*"])
-        free = free_parameters(name, training.configurations, patterns)
-        journal = Journal(folder.directory / JOURNAL, _key(board, law, name, patterns, given))
+        journal = Journal(folder.directory / JOURNAL, _key(board, law, name, free, given))
         history, more = [], min(given.finalists + 1, given.budget) * validation.runs
         with bar_of_runs(f"tune {name}", given.budget * training.runs + more) as bar:
             for candidate in search(training, free, given.budget, given.seed, journal.answer):
@@ -129,12 +145,12 @@ def _tune(
     return journal
 
 
-def _key(board: Board, law: str, name: str, patterns: Sequence[str], given: argparse.Namespace) -> str:
+def _key(board: Board, law: str, name: str, free: Sequence[Free], given: argparse.Namespace) -> str:
     """A digest of all that the costs depend on but the candidates."""
     file = law.partition(":")[0].partition("=")[0]
     text = read_data(Path(file), TEXT) if is_code(law) else b""
     others = replace(board, laws={each: board.laws[each] for each in (board.reference, name)}, tuned={})
-    choices = (digest_of_sources(), others, patterns, given.cells, given.cost, given.seed)
+    choices = (digest_of_sources(), others, [*free], given.cells, given.cost, given.seed)
     return hashlib.sha256(repr(choices).encode() + text).hexdigest()
 
 

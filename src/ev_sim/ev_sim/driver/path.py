@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -61,6 +62,7 @@ class Path(NamedTuple):
     length: tuple[float, ...]
 
 
+@lru_cache(8)  # it is that of all runs of a batch
 def path_of(parameters: PathParameters) -> Path:
     """The path that the parameters describe."""
     p = parameters
@@ -209,6 +211,7 @@ class SpeedPlan(NamedTuple):
     run: tuple[float, ...]
 
 
+@lru_cache(8)
 def speed_plan(p: SpeedPlanParameters, path: Path) -> SpeedPlan:
     """The plan for a path: V^2/R = share x friction x g at each corner, and less where another one is too near.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ev_core.vehicle.description import Vehicle
 from ev_sim.courses.course import CourseParameters
@@ -59,6 +58,8 @@ def leaves(run: Recording, vehicle: Vehicle, course: CourseParameters | None) ->
 def _beside(run: Recording, line: RacingLine) -> tuple[np.ndarray, np.ndarray]:
     """The nearest point of a line, (n,), and how far left of the line the car is there, (n,) [m]."""
     place = np.stack((channel(run, "pose.x"), channel(run, "pose.y")), axis=1)
+    from scipy.spatial import cKDTree  # slow to import, and most runs have no laps
+
     at = cKDTree(line.points).query(place)[1]
     found = np.full(len(place), np.inf)
     for begin in (at, at - 1):

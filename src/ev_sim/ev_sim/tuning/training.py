@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.by_period import batch_by_period
 from ev_sim.benchmark.board import Board, by_role
@@ -26,13 +25,8 @@ class Training:
     """All draws of some cells, against those of the reference in the same cells, which are driven before."""
 
     def __init__(self, board: Board, law: str, reference: Sequence[DrivenCell], cost: str, threads: int | None) -> None:
-        self._board, self._law, self._cost, self._threads = board, law, cost, threads
+        self._board, self._cost, self._threads = board, cost, threads
         self._cells = [(laws_in_cell(board, of.cell, [law])[law], of) for of in reference]
-
-    @property
-    def configurations(self) -> dict[str, Configuration]:
-        """By role the law as it is before, with the first car."""
-        return {role: self._cells[0][0].run.configurations[role] for role in by_role(self._board.laws[self._law])}
 
     @property
     def runs(self) -> int:
