@@ -130,6 +130,7 @@ def test_a_bad_file_is_one_line(tmp_path: Path, text: str, line: str):
     ("spoilt", "line"),
     [
         ({7: "0.0,0.0,3,3"}, "point 8 is "),
+        ({7: "1e300,0.0,3,3"}, "parameter x: "),
         ({7: "31.0,41.0,-1,3"}, "point 8: a width of -1 m is refused, allowed is 0 or more"),
         (dict.fromkeys(range(20, 40), ""), "the first one, with which it closes, is "),
         (dict.fromkeys(range(40)), "edge runs backwards, the road is wider than its bend has room for"),

@@ -12,10 +12,10 @@ from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 
-def driven(duration: float | None = None, **values: object) -> DrivenRun:
+def driven(duration: float | None = None, vehicle: str | None = None, **values: object) -> DrivenRun:
     """The scenario with other values of the driver and the plant, their dots as two underscores."""
     changed = [(*name.replace("__", ".").split(".", 1), value) for name, value in values.items()]
-    run = load_scenario("lap", Overrides(values=changed, duration=duration)).runs[0]
+    run = load_scenario("lap", Overrides(values=changed, duration=duration, vehicle=vehicle)).runs[0]
     return driven_run(
         true_motion(run_offline(run.configurations, run.duration), run.configurations), run.configurations
     )
@@ -47,6 +47,11 @@ def test_the_time_of_a_slower_lap_is_longer_by_the_scale(lap: DrivenRun):
     """Speeds in proportion: within 3 %, for launch and power do not scale."""
     slow = driven(duration=75.0, driver__limit__scale=0.65)
     assert measured(slow, "lap_time") == pytest.approx(measured(lap, "lap_time") * 0.85 / 0.65, rel=0.03)
+
+
+def test_the_small_racing_car_laps_on_its_tyres_from_the_rig():
+    """863 m at a mean of more than 16 m/s, the scale below that of its default."""
+    assert measured(driven(60.0, "racing_car", driver__limit__scale=0.8), "lap_time") < 863.0 / 16.0
 
 
 def test_too_fast_a_car_leaves_the_course():

@@ -44,7 +44,7 @@ class Gains(NamedTuple):
     cost_yaw: tuple[float, ...]  # [s^2/rad^2]
 
 
-@lru_cache(256)  # cars: each search of a board has the same draws again
+@lru_cache(1024)  # cars: each search of a board has the same draws again
 def lqr_gains(p: LQRParameters, tyres: SingleTrackParameters, vehicle: Vehicle, period: float) -> Gains:
     """The gains that make the sum of the weighed squares least on an endless horizon, by implicit Euler steps."""
     signed = [sign * SPEED_STEP * n for sign in (1.0, -1.0) for n in range(SPEEDS)]

@@ -39,7 +39,7 @@ from ev_sim.study.workers import load_for, perform_jobs
 FIGURE = "board"
 PAGES = "laws.md"
 FILES = ("board.json", *RUNS, PAGES, f"{FIGURE}.png")
-RUNS_OF_A_JOB = 100  # or those of one law in a cell: about two seconds
+RUNS_OF_A_JOB = 100  # at most, or all of one law in a cell: preparing a cell takes as long as five runs
 
 
 def run_benchmark(argv: Sequence[str]) -> None:

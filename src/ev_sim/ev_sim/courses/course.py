@@ -79,7 +79,9 @@ def with_course_from_file(parameters: CourseParameters) -> CourseParameters:
                 raise ParameterError(
                     f"point {number + 1}: a width of {min(widths):g} m is refused, allowed is 0 or more"
                 )
-        return build(CourseParameters, {**flatten(parameters), "file": "", **_placed(*columns)})
+        with np.errstate(all="ignore"):  # what overflows is out of range
+            placed = _placed(*columns)
+        return build(CourseParameters, {**flatten(parameters), "file": "", **placed})
 
     return read_csv("course.file", parameters.file, _COLUMNS, course) if parameters.file else parameters
 

@@ -77,7 +77,7 @@ class PreviewGains(NamedTuple):
     points: float
 
 
-@lru_cache(256)  # cars: each law and search of a board has the same draws again
+@lru_cache(1024)  # cars: each law and search of a board has the same draws again
 def preview_gains(p: PreviewParameters, vehicle: Vehicle) -> PreviewGains:
     """The gains that make the sum over time of (y/lateral_error)^2 + (rate/steering_rate)^2 least on any path.
 
