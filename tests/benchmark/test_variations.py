@@ -145,7 +145,9 @@ def test_nothing_that_is_stated_is_overwritten_by_what_is_drawn(
 
 def test_what_is_searched_is_not_drawn(board: Board):
     searched = replace(board.manoeuvres["step_steer"], entry_speed=[5.0, 10.0])
-    own = replace(board, manoeuvres={"step_steer": searched}, variations=[Variation("plant.initial_speed", value=[1, 2])])
+    own = replace(
+        board, manoeuvres={"step_steer": searched}, variations=[Variation("plant.initial_speed", value=[1, 2])]
+    )
     with pytest.raises(ParameterError, match=re.escape("the board varies plant.initial_speed")):
         values_of(own, own.cells(STEP)[0])
 

@@ -49,7 +49,7 @@ def run_tune(argv: Sequence[str]) -> None:
     free = {name: _free(board, name, given) for name in names}
     driven = _references(board, given)
     journals = []
-    for law, name in zip(laws, names, strict=True):
+    for name in names:
         of = given.out or Path("results/tune")
         folder = of / name if len(laws) > 1 or not given.out else of
         journals.append(_tune(board, name, folder, driven, free[name], given, command_of(["tune", *argv])))
