@@ -50,6 +50,8 @@ def test_the_command_drives_them_and_says_so(tmp_path: Path, capsys: pytest.Capt
     assert (
         "benchmark small --draws 1 --held-out 7 --cells 'audi_a2:front:step_steer:wet:*:v1'" in capsys.readouterr().out
     )
+    with pytest.raises(ParameterError, match="unknown law ''; known: equal_torque"):
+        run_benchmark(["--laws", "", "--out", str(tmp_path)])
     with pytest.raises(ParameterError, match="--seed is refused beside --held-out"):
         run_benchmark(["--held-out", "7", "--seed", "1"])
     with pytest.raises(ParameterError, match="board small has no held_out cases, allowed with an entry held_out"):

@@ -13,12 +13,14 @@ from pathlib import Path
 import pytest
 from schedulers import scheduler_with_two_workers
 
+from ev_core.parameters.data_file import files_in_config
 from ev_sim.benchmark import run_files
 from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.driving import drive_cell
+from ev_sim.benchmark.driving import DrivenCell, drive_cell
 from ev_sim.benchmark.kept_cells import KeptCells
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.commands.benchmark import run_benchmark
+from ev_sim.recording.outcome import RunFailed
 
 SMALL = replace(read_board("small"), draws=2)
 STEP = "layout_1_8_c:all:step_steer:wet:*"
@@ -46,6 +48,19 @@ def test_only_what_is_missing_or_would_be_another_number_is_driven(tmp_path: Pat
     for rest in (half.read_bytes()[:-100], b""):  # a machine without power leaves an empty one
         half.write_bytes(rest)
         assert kept.missing() == {cells[0]: [LAWS[0]]}
+
+
+def test_what_was_driven_with_a_file_that_has_changed_since_is_not_kept(tmp_path: Path):
+    """Each job reads the files anew, so that the numbers may be of another car than the name of the part."""
+    car = tmp_path / "car.yaml"
+    car.write_text(files_in_config("vehicles")["layout_1_8_c"].read_text())
+    board = replace(SMALL, cars=[f"{car}:all"])
+    (cell,) = cells = board.cells("*:step_steer:wet:*")
+    kept = KeptCells(board, cells, LAWS, tmp_path)
+    car.write_text(car.read_text().replace("mass: 1600.0", "mass: 1700.0"))
+    with pytest.raises(RunFailed, match="has changed while the board was driven: start it again"):
+        kept.keep(DrivenCell(cell, {"pi": {}}, {}, {}, {}))
+    assert not (tmp_path / "driven").exists()
 
 
 def test_many_runs_stand_one_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

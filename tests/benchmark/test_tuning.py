@@ -185,6 +185,7 @@ def test_a_search_goes_on_only_while_no_file_of_its_runs_has_changed(tmp_path: P
     [
         (["none"], "unknown electronic_differential method 'none'"),
         (["pi", "lqr", "--free", "pi.*,none"], "unknown number of law pi 'none'"),
+        (["pi", "--free", ""], "unknown number of law pi ''"),
         (["pi", "--budget", "1"], "--budget 1 is refused, allowed is 2 or more"),
         (["pi", "--board", "full", "--cells", "*:skidpad:dry:*"], "--cells leaves none to tune on"),
     ],

@@ -221,6 +221,8 @@ def _refuse(board: Board, path: Path) -> None:
     """ParameterError for names that nothing declares, and for bounds that are none."""
     if not 1 <= board.draws <= 100_000:
         raise ParameterError(f"draws is {board.draws}, allowed is 1 to 100000")
+    if board.seed < 0 or board.unstable <= 0.0:
+        raise ParameterError(f"seed is {board.seed}, unstable {board.unstable}, allowed is 0 or more, and above 0")
     _known("reference", [board.reference], board.laws)
     kept = {name: cases for name in CASES if (cases := getattr(board, name))}
     cars = [*board.cars, *(car for cases in kept.values() for car in cases.cars)]
@@ -236,9 +238,7 @@ def _refuse(board: Board, path: Path) -> None:
             raise ParameterError(f"road {name} needs as many surfaces left as right, and a length for all but the last")
         _known(f"surface of {name}", [*road.left, *road.right], SURFACES)
     for name, manoeuvre in board.manoeuvres.items():
-        _known(
-            f"road of {name}", [*manoeuvre.roads, *([manoeuvre.steering_on] * bool(manoeuvre.steering_on))], board.roads
-        )
+        _known(f"road of {name}", [*manoeuvre.roads, *filter(None, [manoeuvre.steering_on])], board.roads)
         _known(f"car of {name}", manoeuvre.without, cars)
         _refuse_search(name, manoeuvre)
         for metric in named_metrics(manoeuvre.measured):

@@ -10,9 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
+from ev_core.parameters.data_file import files_read
 from ev_sim.benchmark.board import Board, Cell
 from ev_sim.benchmark.driving import DrivenCell, law_of, run_of, values_of
+from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import atomic_file
+from ev_sim.running.output_folder import digest_of
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.kept_rows import digest_of_sources, run_key, short_digest
 
@@ -32,6 +35,7 @@ class KeptCells(Sequence[DrivenCell]):
     def __init__(self, board: Board, cells: Sequence[Cell], laws: Sequence[str], folder: Path | None = None) -> None:
         self._cells, self._laws, self._folder = cells, laws, folder
         self._memory: dict[str, Part] = {}
+        self._read: dict[str, str] = {}
         self.runs: list[Run] = []
         self._sources = digest_of_sources(config=True)
         self._names = dict(self._named(board))
@@ -61,7 +65,9 @@ class KeptCells(Sequence[DrivenCell]):
                 yield (cell, law), f"{FOLDER}/{self._sources}_{digest}.npz"
 
     def _key_of(self, make: Callable[[], Run]) -> tuple[str, Run]:
-        key, run = run_key(make)
+        with files_read() as read:
+            key, run = run_key(make)
+        self._read |= read
         self.runs.append(run)
         return key, run
 
@@ -90,7 +96,13 @@ class KeptCells(Sequence[DrivenCell]):
         return found
 
     def keep(self, driven: DrivenCell) -> None:
-        """Write what laws have driven in a cell, at once; OSError if it cannot be written."""
+        """Write what laws have driven in a cell, at once; OSError if it cannot be written.
+
+        RunFailed if one of the files behind its numbers is another one by now.
+        """
+        for path, digest in self._read.items():
+            if not (Path(path).is_file() and digest_of(Path(path)) == digest):
+                raise RunFailed(f"{path} has changed while the board was driven: start it again")
         for law, metrics in driven.metrics.items():
             texts = {_HASHES: driven.hashes[law], _COMMANDS: driven.commands[law]}
             part = {f"{_METRIC}{name}": values for name, values in metrics.items()} | {_CLEAN: driven.clean[law]}

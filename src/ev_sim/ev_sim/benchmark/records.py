@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from typing import Any, TypeVar
@@ -11,7 +12,7 @@ from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
 T = TypeVar("T")
 _KINDS: dict[str, tuple[str, tuple[type, ...]]] = {
     "int": ("a whole number", (int,)),
-    "float": ("a number", (int, float)),
+    "float": ("a finite number", (int, float)),
     "str": ("a text", (str,)),
     "list": ("a list", (list,)),
     "Mapping": ("a mapping", (Mapping,)),
@@ -44,9 +45,11 @@ def record(of: type[T], what: str, content: Any) -> T:
 
 
 def is_of(value: Any, kind: str) -> bool:
-    """Whether a value is of a kind; a switch is no number."""
+    """Whether a value is of a kind; neither a switch nor what is not finite is a number."""
     if kind not in _KINDS:
         return type(value).__name__ == kind.removesuffix(" | None")
+    if isinstance(value, float) and not math.isfinite(value):
+        return False
     return isinstance(value, _KINDS[kind][1]) and not isinstance(value, bool)
 
 

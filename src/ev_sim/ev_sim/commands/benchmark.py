@@ -193,7 +193,7 @@ def _asked(board: Board, given: argparse.Namespace) -> Board:
 
 
 def _laws(board: Board, names: str | None, added: Sequence[str]) -> list[str]:
-    asked = [board.reference, *(names.split(",") if names else board.laws), *added]
+    asked = [board.reference, *(board.laws if names is None else names.split(",")), *added]
     for name in asked:
         if name not in board.laws:
             raise unknown_name("law", name, board.laws)

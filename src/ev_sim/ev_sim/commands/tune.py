@@ -40,7 +40,7 @@ def run_tune(argv: Sequence[str]) -> None:
         if getattr(given, name) is not None and getattr(given, name) < least:
             raise ParameterError(f"--{name} {getattr(given, name)} is refused, allowed is {least} or more")
     board = replace(read_board(given.board), draws=given.draws)
-    laws = list(board.tuned) if given.laws == [ALL] else given.laws
+    laws = list(board.tuned) if given.laws == [ALL] else list(dict.fromkeys(given.laws))
     others = [law for law in laws if law not in board.laws]
     board, added = with_added(board, others)
     by_word = dict(zip(others, added, strict=True))
@@ -88,6 +88,8 @@ def _references(board: Board, given: argparse.Namespace) -> References:
     kept = {(cell.manoeuvre, cell.road) for cell in cells}
     validation = with_cases(board, "validation", given.seed + 1)
     others = [cell for cell in validation.cells() if (cell.manoeuvre, cell.road) in kept]
+    if not others:
+        raise ParameterError("--cells leaves none to validate on: no validation car drives them")
     sets: dict[str, tuple[Board, list[Cell]]] = {"training": (training, cells), "validation": (validation, others)}
     return {
         name: (of, [drive_cell(of, cell, [of.reference], given.threads) for cell in each])
@@ -99,7 +101,7 @@ def _free(board: Board, law: str, given: argparse.Namespace) -> list[Free]:
     """The numbers of a law that are free; they start where they are for the first car."""
     training = with_cases(board, "training", given.seed)
     cell = training.cells(given.cells)[0]
-    patterns = given.free.split(",") if given.free else board.tuned.get(law, ["*"])
+    patterns = given.free.split(",") if given.free is not None else board.tuned.get(law, ["*"])
     return free_parameters(law, law_of(training, law, run_of(training, cell, values_of(training, cell))), patterns)
 
 
