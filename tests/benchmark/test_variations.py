@@ -14,7 +14,7 @@ import yaml
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import TOLD_FRICTION, Board, Variation, read_board
-from ev_sim.benchmark.driving import DrivenCell, drawn, drive_cell, law_of, own_draws, run_of, values_of
+from ev_sim.benchmark.driving import DrivenCell, drawn, drive_cell, law_of, laws_in_cell, own_draws, run_of, values_of
 from ev_sim.commands.run_scenario import main
 
 PERIODS = [0.005, 0.02]
@@ -141,6 +141,17 @@ def test_nothing_that_is_stated_is_overwritten_by_what_is_drawn(
     (cell,) = own.cells(STEP)
     with pytest.raises(ParameterError, match=re.escape(line)):
         law_of(own, "pi", run_of(own, cell, values_of(own, cell)))
+
+
+def test_a_manoeuvre_sets_no_parameter_that_a_law_plays_without(board: Board):
+    """The law would be driven with its default, and the printed line with what the manoeuvre sets."""
+    step, law = board.manoeuvres["step_steer"], {"method": "equal_torque", "asr.method": "pi_slip"}
+    values = {**step.values, "asr.method": "pi_slip", "asr.natural_frequency": 10.0}
+    own = replace(board, manoeuvres={"step_steer": replace(step, values=values)}, laws={**board.laws, "own": law})
+    with pytest.raises(
+        ParameterError, match=r"step_steer sets asr\.natural_frequency, which law own does not take over"
+    ):
+        laws_in_cell(own, own.cells(STEP)[0], ["own"])
 
 
 def test_what_is_searched_is_not_drawn(board: Board):

@@ -94,6 +94,7 @@ def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | N
         playing = law_of(board, law, base)
         values = law_values(board, law, base)
         of_law = {f"{role}.{name}": value for role, of in values.items() for name, value in of.items()}
+        _refuse_lost(f"manoeuvre {cell.manoeuvre}", law, fixed.keys() - of_law.keys(), base.configurations, playing)
         run = replace(base, configurations={**base.configurations, **playing})
         vary = {**draws.values, **own_draws(playing, draws)}
         if manoeuvre.searched:
@@ -117,6 +118,16 @@ def values_of(board: Board, cell: Cell) -> dict[str, Any]:
     if manoeuvre.entry_speed:
         values |= {name: column[0] for name, column in searched.items()}
     return values
+
+
+def _refuse_lost(
+    who: str, law: str, names: Iterable[str], run: Mapping[str, Configuration], playing: Mapping[str, Configuration]
+) -> None:
+    """ParameterError if a law does not have what is set for its role by ROLE.PARAMETER in the run without it."""
+    for name in sorted(names):
+        role, _, parameter = name.partition(".")
+        if role in playing and playing[role].values().get(parameter) != run[role].values().get(parameter):
+            raise ParameterError(f"{who} sets {name}, which law {law} does not take over, allowed is in the law")
 
 
 def _refuse_twice(who: str, names: Iterable[str], others: Sequence[str]) -> None:
