@@ -8,13 +8,16 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
 from schedulers import free_port, process, scheduler_with_two_workers, wait_for_listener
 
+from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
+from ev_sim.study.run_study import arguments
 from ev_sim.study.study import Case, drive_case
 from ev_sim.study.workers import drive_cases, refuse_others
 
@@ -182,6 +185,14 @@ def test_no_scheduler_at_that_address(monkeypatch):
     monkeypatch.setattr("ev_sim.study.workers._PATIENCE", 0.5)
     with pytest.raises(RunFailed, match="cannot be reached"):
         drive_cases(CASES[:1], last_speed, scheduler="tcp://127.0.0.1:9")
+
+
+@pytest.mark.parametrize("read", [partial(arguments, "compare"), run_benchmark])
+def test_workers_here_and_elsewhere_are_refused_together(read, capsys):
+    """The number of workers of a scheduler is its own."""
+    with pytest.raises(SystemExit):
+        read(["--scheduler", "tcp://127.0.0.1:9", "--workers", "2"])
+    assert "--workers: not allowed with argument --scheduler" in capsys.readouterr().err
 
 
 def test_scheduler_without_workers(monkeypatch):

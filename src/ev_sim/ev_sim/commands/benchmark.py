@@ -138,8 +138,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--draws", type=int, metavar="N", help="of each cell, instead of those of the board")
     parser.add_argument("--seed", type=int, metavar="N", help="of the draws, instead of that of the board")
-    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
-    parser.add_argument("--workers", type=int, metavar="N", help="worker processes here; default: one per core")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
+    where.add_argument("--workers", type=int, metavar="N", help="worker processes here; default: one per core")
     parser.add_argument("--anew", action="store_true", help="drive again what was driven before with this --out")
     parser.add_argument(
         "--drive", metavar="LAW:DRAW", help="one run of the only cell that fits, as a scenario, over DDS"

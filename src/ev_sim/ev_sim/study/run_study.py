@@ -39,8 +39,9 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     """Parse the command line of a study; argparse ends the process with status 2 for words it does not know."""
     study = study_named(name)
     parser = Parser(prog=f"run.sh {name}", description=study.ABOUT)
-    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
-    parser.add_argument("--workers", type=_positive, metavar="N", help="worker processes here; default: one per core")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
+    where.add_argument("--workers", type=_positive, metavar="N", help="worker processes here; default: one per core")
     parser.add_argument("--out", type=Path, metavar="DIR", help=f"output folder; default results/{name}")
     parser.add_argument("--anew", action="store_true", help="drive again what was driven before with this --out")
     parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
