@@ -29,7 +29,7 @@ from ev_sim.courses.course import CourseParameters, with_course_from_file
 from ev_sim.courses.racing_line import racing_line
 from ev_sim.courses.speed_profile import LimitParameters, limits, speed_profile
 from ev_sim.driver import path as paths
-from ev_sim.driver.followers import LOOKING_ROUND, AngleControlState, HandParameters, turn_to_angle
+from ev_sim.driver.followers import AngleControlState, HandParameters, turn_to_angle
 from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.driver.preview_driver import Preview, PreviewState, look_ahead, preview_of
 from ev_sim.driver.preview_gains import PreviewParameters
@@ -182,8 +182,6 @@ def lap(
 ) -> DriverCommand:
     """Lap a closed course at the limit, its racing line by optimal preview and its speed profile by the pedals."""
     speed = speed_along_path(body)
-    if abs(speed) > LOOKING_ROUND:
-        s.preview.direction = 1.0 if speed > 0.0 else -1.0
     wheels = column.angle / car.steering_ratio
     angle = look_ahead(p.preview, c.preview, c.path, s.preview, period, pose, body, speed, wheels)
     leg = int(s.preview.leg)

@@ -75,6 +75,8 @@ def look_ahead(
     first one ahead, turn_i by what the path turns at the i-th point. Of angles and sideslip only what the linear car
     would have counts: what is learnt besides does what an integral of the lateral error would do, without overshoot.
     """
+    if abs(speed) > LOOKING_ROUND:
+        s.direction = 1.0 if speed > 0.0 else -1.0
     fastest = GAIN_SPEEDS[len(GAIN_SPEEDS) - 1]
     taken = min(max(abs(speed), GAIN_SPEEDS[0]), fastest)
     row = min(number_until(GAIN_SPEEDS, taken), len(GAIN_SPEEDS) - 1)
@@ -195,8 +197,6 @@ def preview(
 ) -> DriverCommand:
     """Steer along a path by optimal preview with the car's single-track model, and slow down before its bends."""
     speed = speed_along_path(body)
-    if abs(speed) > LOOKING_ROUND:
-        s.preview.direction = 1.0 if speed > 0.0 else -1.0
     wheels = column.angle / car.steering_ratio
     angle = look_ahead(p.preview, c.preview, c.path, s.preview, period, pose, body, speed, wheels)
     leg = int(s.preview.leg)
