@@ -9,6 +9,8 @@ from batches.batches import DURATION, RUNS, alone, lane_change, vary
 from ev_core.lockstep.parts import method_part
 from ev_sim.batches.batch import batch
 from ev_sim.batches.observer import largest_magnitude, last, maximum, mean, minimum, root_mean_square
+from ev_sim.batches.whole_runs import Ending
+from ev_sim.measures.registry import DrivenRun
 from ev_sim.recording.offline import run_offline
 
 SIGNALS = ("imu.yaw_rate", "wheel_states.velocity.rear_left", "pose.orientation_z", "driver.command.hand_torque")
@@ -85,6 +87,26 @@ def test_a_run_that_is_not_finite_stops_alone():
         for name, values in getattr(found, kind).items():
             assert values[[0, 2]].tobytes() == getattr(good, kind)[name][[0, 2]].tobytes()
             assert np.isnan(values[1]).any()
+
+
+def test_a_run_that_ends_early_has_the_bits_of_a_shorter_one():
+    """Each ends at the first half second behind 20 m, the last one never; sensors, faults and truth as ever."""
+    looks: list[tuple[float, float]] = []
+
+    def is_far(run: DrivenRun, since: int) -> bool:
+        looks.append((float(run.signals.time[since]), float(run.signals.time[-1])))
+        x = run.signals.channels["pose.x"]
+        return bool(x[-1] - x[0] > 20.0)
+
+    values = {**vary(), "plant.initial_speed": [30.0, 18.0, 26.0, 21.0, 1.0]}
+    metrics = ["peak_sideslip", "distance"]
+    found = batch(lane_change(), DURATION, values, metrics=metrics, hashes=True, threads=1, ending=Ending(is_far, 0.5))
+    assert found.ends.tolist() == [1.0, 1.5, 1.0, 1.0, 3.0]
+    assert looks[:4] == [(0.0, 0.5), (0.5, 1.0), (0.0, 0.5), (0.5, 1.0)]
+    for run, end in enumerate(found.ends.tolist()):
+        alone = batch(lane_change(), end, {n: [of[run]] for n, of in values.items()}, metrics=metrics, hashes=True)
+        assert found.hashes[run] == alone.hashes[0]
+        assert [found.metrics[name][run] for name in metrics] == [alone.metrics[name][0] for name in metrics]
 
 
 def test_only_what_differs_is_prepared_anew(monkeypatch):

@@ -11,6 +11,7 @@ from ev_core.lockstep.parts import method_part
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.batch import batch
 from ev_sim.batches.observer import mean
+from ev_sim.batches.whole_runs import Ending
 
 
 @pytest.mark.parametrize(
@@ -42,6 +43,7 @@ def test_values_that_differ(vary, message):
     [
         ({"signals": ["imu.yaw_rat"]}, "unknown channel 'imu.yaw_rat'; did you mean imu.yaw_rate"),
         ({"metrics": {"m": mean("yaw_rate")}}, "unknown channel 'yaw_rate'; did you mean "),
+        ({"metrics": {"m": mean("imu.yaw_rate")}, "ending": Ending(lambda *_: True)}, "reductions are refused for"),
         ({"every": 0}, "every: 0 is refused, allowed is a whole number of periods, at least 1"),
         ({"initial_states": {"plant": np.zeros((2, 3))}}, "initial_states of plant have 3 numbers, allowed are "),
         ({"initial_states": {"plnt": np.zeros((2, 3))}}, "unknown role 'plnt'; did you mean plant"),

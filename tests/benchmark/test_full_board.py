@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,15 +13,17 @@ from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.by_period import batch_by_period
 from ev_sim.benchmark.board import Board, read_board
-from ev_sim.benchmark.driving import drawn, drive_cell, laws_in_cell, run_of, values_of
-from ev_sim.benchmark.entry_speed import CLEAN, at_speeds, clean
+from ev_sim.benchmark.driving import drawn, drive_cell, drive_law, laws_in_cell, run_of, values_of
+from ev_sim.benchmark.entry_speed import CLEAN, HASH, at_speeds, clean, last_true
+from ev_sim.command_line.options import arguments, overrides
 from ev_sim.measures import motion
 from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording
+from ev_sim.recording.recording import Recording, combined_hash, signal_hash
+from ev_sim.scenarios.scenario import load_scenario
 
 CAR = "layout_1_8_c:all"
 HALVINGS = 3
-RESOLUTION = (44.0 - 12.0) / 2**HALVINGS  # m/s
+RESOLUTION = (32.0 - 12.0) / 2**HALVINGS  # m/s
 
 
 @pytest.fixture(scope="module")
@@ -40,29 +43,63 @@ def driven(board: Board, pattern: str) -> Recording:
 
 def test_every_cell_has_a_graph_and_draws(board: Board):
     cells = board.cells("*:handling:*")
-    assert len(cells) == 5 * 35 - 11
+    assert len(cells) == 5 * 34 - 11
     assert {cell.manoeuvre for cell in cells if cell.car == "racing_car:all"}.isdisjoint({"launch", "brake"})
     for cell in cells[::11]:  # names and values do not depend on the car and the road alone
         assert drawn(board, cell, run_of(board, cell, values_of(board, cell)).configurations).values
 
 
 def test_the_entry_speed_is_clean_and_the_next_one_is_not(board: Board):
-    """For each draw and law; the metric is the speed at which the run of the board begins."""
+    """For each draw and law; the metric is the speed at which the run of the board begins.
+
+    Here runs go on to 14 s whatever happens, so that nothing hangs on when a run ends.
+    """
     (cell,) = board.cells(f"{CAR}:double_lane_change:dry:handling:*")
     found = drive_cell(board, cell, ["equal_torque", "pi"])
     for law, runs in laws_in_cell(board, cell, ["equal_torque", "pi"]).items():
-        speeds = np.array(runs.vary["plant.initial_speed"])
-        assert found.metrics[law]["entry_speed"].tolist() == speeds.tolist()
+        speeds = found.metrics[law]["entry_speed"]
         assert found.clean[law].all()
-        assert ((speeds > 12.0) & (speeds < 40.0)).all()
-        faster = {**runs.vary, **at_speeds(speeds + RESOLUTION)}
-        metric = clean(board, runs.run)
-        assert not batch_by_period(runs.run.configurations, 14.0, faster, metrics=[metric]).metrics[CLEAN].any()
+        assert ((speeds > 12.0) & (speeds < 32.0)).all()
+        for more, are_clean in ((0.0, 1.0), (RESOLUTION, 0.0)):
+            vary = {**runs.vary, **at_speeds(speeds + more)}
+            driven = batch_by_period(runs.run.configurations, 14.0, vary, metrics=[clean(board, runs.run)])
+            assert (driven.metrics[CLEAN] == are_clean).all()
+
+
+def test_a_run_that_ended_early_is_driven_again_by_its_command(board: Board):
+    """To the bit, up to the whole second at which the car is behind the last cone."""
+    (cell,) = board.cells(f"{CAR}:double_lane_change:dry:handling:*")
+    found = drive_cell(board, cell, ["pi"])
+    given = arguments([*shlex.split(found.commands["pi"][1])[1:], "--offline"])
+    run = load_scenario(given.scenario, overrides(given), given.run).runs[0]
+    signals = run_offline(run.configurations, run.duration)
+    assert combined_hash({run.name: signal_hash(signals)}) == found.hashes["pi"][1]
+    assert run.duration == signals.time[-1] < 14.0
+    x = signals.channels["pose.x"]
+    assert x[-1] >= run.course.end[-1] > x[signals.time <= run.duration - 1.0][-1]
+    words, alone = drive_law(replace(board, draws=1), cell, laws_in_cell(board, cell, ["pi"])["pi"].only(1))
+    assert shlex.join(words[0]) == found.commands["pi"][1]
+    assert alone[HASH].tolist() == [signal_hash(signals)]
+
+
+@pytest.mark.parametrize("count", [2, 4, 64])
+@pytest.mark.parametrize("start", [0, 1, 31, 63, 64])
+def test_the_last_place_is_found_from_any_start(count: int, start: int):
+    """Whatever is true up to it, each place between the ends is asked for once."""
+    last, asked = np.arange(count), []
+
+    def is_true(rows: np.ndarray, places: np.ndarray) -> np.ndarray:
+        asked.extend(zip(rows.tolist(), places.tolist(), strict=True))
+        return places <= last[rows]
+
+    assert last_true(count, count, start, is_true).tolist() == last.tolist()
+    assert len(asked) == len(set(asked))
+    assert all(0 < place < count for _, place in asked)
 
 
 def test_a_car_that_is_clean_at_no_speed_counts_as_unstable(board: Board):
     """Too fast at the lowest speed: its run is driven all the same, and is not clean."""
-    lanes = replace(board.manoeuvres["double_lane_change"], entry_speed=[42.0, 44.0], halvings=1, duration=5.0)
+    lanes = replace(board.manoeuvres["double_lane_change"], entry_speed=[42.0, 44.0], halvings=1)
     hard = replace(board, draws=1, manoeuvres={**board.manoeuvres, "double_lane_change": lanes})
     (cell,) = hard.cells(f"{CAR}:double_lane_change:wet:handling:*")
     assert drive_cell(hard, cell, ["equal_torque"]).clean["equal_torque"].tolist() == [False]
@@ -96,8 +133,8 @@ def test_the_friction_jumps_where_the_road_has_it(board: Board):
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ("entry_speed: [12.0, 44.0]", "entry_speed: [44.0, 12.0]", "entry_speed of double_lane_change is [44.0, 12.0]"),
-        ("entry_speed: [12.0, 44.0]", "halvings: 4", "entry_speed of double_lane_change is measured, allowed with"),
+        ("entry_speed: [12.0, 32.0]", "entry_speed: [32.0, 12.0]", "entry_speed of double_lane_change is [32.0, 12.0]"),
+        ("entry_speed: [12.0, 32.0]", "halvings: 4", "entry_speed of double_lane_change is measured, allowed with"),
         ("steering_on: dry ", "steering_on: mud ", "unknown road of step_steer 'mud'"),
         ('without: ["racing_car:all"]', "without: [kart]", "unknown car of power_on_in_bend 'kart'"),
         (

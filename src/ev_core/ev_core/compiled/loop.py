@@ -34,12 +34,19 @@ def _is_finite(bits: np.ndarray, at: int, begin: int, end: int) -> bool:
 
 @compilable
 def _drive_instant(
-    frames: np.ndarray, here: int, there: int, is_last: bool, parts: np.ndarray, answering: int, stopped: np.ndarray
+    frames: np.ndarray,
+    here: int,
+    there: int,
+    begin: int,
+    end: int,
+    parts: np.ndarray,
+    answering: int,
+    stopped: np.ndarray,
 ) -> int:
-    """Let the parts answer in the frame `here` and, unless it is the last one, integrate to that in `there`."""
+    """Let the parts begin..end-1 answer in the frame `here`, or integrate from there to that in `there`."""
     width = frames.shape[1] * 8
     base, bits = frames.ctypes.data, frames.view(np.int64)
-    for i in range(answering if is_last else parts.shape[0]):
+    for i in range(begin, end):
         at = here if i < answering else there
         status = call(parts[i, 0], base + here * width, base + at * width, parts[i, 1], parts[i, 2])
         stopped[0], stopped[1] = at, i
@@ -55,7 +62,8 @@ def _drive_instants(
     frames: np.ndarray, first: int, last: int, final: bool, parts: np.ndarray, answering: int, stopped: np.ndarray
 ) -> int:
     for n in range(first, last + int(final)):
-        status = _drive_instant(frames, n, n + 1, n == last, parts, answering, stopped)
+        end = answering if n == last else parts.shape[0]
+        status = _drive_instant(frames, n, n + 1, 0, end, parts, answering, stopped)
         if status != FINISHED:
             return status
     return FINISHED
@@ -63,19 +71,21 @@ def _drive_instants(
 
 @compilable
 def _drive_through(
-    frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answering: int, stopped: np.ndarray
+    frames: np.ndarray, times: np.ndarray, first: int, last: int, parts: np.ndarray, answering: int, stopped: np.ndarray
 ) -> int:
-    for i in range(answering, parts.shape[0]):
-        stopped[0], stopped[1], stopped[2] = 0, i, 0
-        if call(parts[i, 0], 0, frames.ctypes.data, parts[i, 1], parts[i, 2]) != 0:
-            return FAILED
-        if not _is_finite(frames.view(np.int64), 0, parts[i, 3], parts[i, 4]):
-            return NOT_FINITE
-    last = len(times) - 1
-    for n in range(last + 1):
+    if first == 0:
+        for i in range(answering, parts.shape[0]):
+            stopped[0], stopped[1], stopped[2] = 0, i, 0
+            if call(parts[i, 0], 0, frames.ctypes.data, parts[i, 1], parts[i, 2]) != 0:
+                return FAILED
+            if not _is_finite(frames.view(np.int64), 0, parts[i, 3], parts[i, 4]):
+                return NOT_FINITE
+    for n in range(first, last + 1):
         here, there = n % 2, (n + 1) % 2
         frames[here, TIME], frames[there, TIME] = times[n], times[min(n + 1, last)]
-        status = _drive_instant(frames, here, there, n == last, parts, answering, stopped)
+        begin = answering if n == first > 0 else 0  # all have answered there
+        end = answering if n == last else parts.shape[0]
+        status = _drive_instant(frames, here, there, begin, end, parts, answering, stopped)
         if status != FINISHED:
             stopped[2] = stopped[0]
             stopped[0] = n if stopped[2] == here else n + 1
@@ -117,11 +127,13 @@ from numba import carray, cfunc, types
 I, P = types.int64, types.voidptr
 
 
-@cfunc(types.int32(P, I, P, I, P, I, I, P), error_model="numpy")
-def step(frames, width, times, instants, parts, count, answering, stopped):
+@cfunc(types.int32(P, I, P, I, I, P, I, I, P), error_model="numpy")
+def step(frames, width, times, first, last, parts, count, answering, stopped):
     return drive(
         carray(frames, (2, width), np.float64),
-        carray(times, instants, np.float64),
+        carray(times, last + 1, np.float64),
+        first,
+        last,
         carray(parts, (count, 5), np.int64),
         answering,
         carray(stopped, 3, np.int64),
@@ -142,7 +154,7 @@ def _instants() -> Any:
 @cache
 def _through() -> Any:
     integer, pointer = c_int64, c_void_p
-    kinds = pointer, integer, pointer, integer, pointer, integer, integer, pointer
+    kinds = pointer, integer, pointer, integer, integer, pointer, integer, integer, pointer
     return CFUNCTYPE(c_int32, *kinds)(_THROUGH.address())
 
 
@@ -161,13 +173,16 @@ def run_instants(
     return status
 
 
-def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answering: int, stopped: np.ndarray) -> int:
-    """Drive a whole run from its start on two frames, in turn that of the instant and the next one; as `run_instants`.
+def run_through(
+    frames: np.ndarray, times: np.ndarray, first: int, last: int, parts: np.ndarray, answering: int, stopped: np.ndarray
+) -> int:
+    """Drive a run on two frames, in turn that of the instant and the next one; all answer at `last`, as `run_instants`.
 
-    `times` are those of the instants [s]. The third number in `stopped` is the index of the frame.
+    `first` is 0, the start, or the `last` one of the call before. `times` are those of the instants from the start on
+    [s]. The third number in `stopped` is the index of the frame.
     """
     at, clock, rows, stop = frames.ctypes.data, times.ctypes.data, parts.ctypes.data, stopped.ctypes.data
-    status: int = _through()(at, frames.shape[1], clock, len(times), rows, len(parts), answering, stop)
+    status: int = _through()(at, frames.shape[1], clock, first, last, rows, len(parts), answering, stop)
     return status
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,8 +25,8 @@ from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.batches import observer
 from ev_sim.batches.observer import Observation, Reduction, result
 from ev_sim.batches.variation import Variation
-from ev_sim.batches.whole_runs import WholeRun, WholeRuns
-from ev_sim.measures.registry import NamedMetric
+from ev_sim.batches.whole_runs import Ending, WholeRun, WholeRuns
+from ev_sim.measures.registry import NamedMetric, driven_run
 from ev_sim.recording.offline import written_topics
 
 _NOTHING = (0, 0)  # is written
@@ -61,6 +62,7 @@ class Runs:
         observation: observer.Observation,
         times: np.ndarray,
         measures: WholeRuns | None = None,
+        ending: Ending | None = None,
     ) -> None:
         for role, configuration in configurations.items():
             law = configuration.method.law
@@ -72,7 +74,10 @@ class Runs:
         self._answering, self._integrating = roles_in_order(configurations)
         self._base, self._initial_states = configurations, initial_states
         self._observation, self._times = observation, times
-        self._measures = measures
+        self._measures, self._ending = measures, ending
+        last = len(times) - 1
+        looks = round(ending.every / times[1]) if ending and last else last
+        self._legs = list(pairwise([0, *range(max(looks, 1), last, max(looks, 1)), last]))
         self._varied = {role: variation.configurations(role) for role in configurations}
         first = {role: varied[0] if varied else configurations[role] for role, varied in self._varied.items()}
         made = {role: method_part(configuration, compiled=True) for role, configuration in first.items()}
@@ -99,13 +104,20 @@ class Runs:
         behind = [placed for role in self._integrating for placed in self._placed(role, run, whole)]
         rows = np.array([placed.row for placed in (*before, *behind)], np.int64)
         frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
-        if run_through(frames, self._times, rows, len(before), stopped) == FINISHED:
-            if self._measures and whole:
-                of = {role: varied[run] if varied else self._base[role] for role, varied in self._varied.items()}
-                self._measures.take(run, whole, of)
-            return ""
+        of = {role: varied[run] if varied else self._base[role] for role, varied in self._varied.items()}
+        for first, last in self._legs:
+            if run_through(frames, self._times, first, last, rows, len(before), stopped) != FINISHED:
+                return self._why(frames, stopped, (*before, *behind))
+            if self._ending and whole and self._ending.is_over(driven_run(whole.recorded(last + 1)[1], of), first):
+                break
+        if self._measures and whole:
+            self._measures.take(run, whole, last + 1, of)
+        return ""
+
+    def _why(self, frames: np.ndarray, stopped: np.ndarray, placed: Sequence[_Placed]) -> str:
+        """The line on what was not finite."""
         instant, place, which = stopped.tolist()
-        role = (*before, *behind)[place].role
+        role = placed[place].role
         try:
             refuse_not_finite(frames[which], self._base[role].method.writes)
         except SignalError as error:
@@ -149,7 +161,8 @@ class BatchResult:
     `metrics`: by name one number for each run, (runs,), NaN where it cannot be measured. `signals`: by channel the
     samples of each run at the instants `time` [s], (runs, samples). `failed`: by number of the run what was not finite
     and when; such a run has stopped there, its metrics and what would have come later are NaN. `hashes`: the signal
-    hash of each run if asked for, empty where it has failed.
+    hash of each run if asked for, empty where it has failed. `ends`: when each run ended [s], (runs,), NaN where it has
+    failed; without metrics of whole runs and hashes empty.
     """
 
     metrics: Mapping[str, np.ndarray]
@@ -157,6 +170,7 @@ class BatchResult:
     time: np.ndarray
     failed: Mapping[int, str]
     hashes: Sequence[str] = ()
+    ends: np.ndarray = field(default_factory=lambda: np.array([]))
 
     def __repr__(self) -> str:
         kept = ", ".join(f"{name} {np.shape(values)}" for name, values in {**self.metrics, **self.signals}.items())
@@ -175,6 +189,7 @@ def batch(
     metrics: Mapping[str, Reduction] | Sequence[str | NamedMetric] | None = None,
     threads: int | None = None,
     hashes: bool = False,
+    ending: Ending | None = None,
 ) -> BatchResult:
     """Drive runs of a graph from rest to `duration` [s], as `run_offline` does each of them.
 
@@ -182,7 +197,8 @@ def batch(
     of the method's state for each run, (runs, size). Each run keeps the channels in `signals` at every `every`-th
     period, and `metrics`: reductions of channels over all periods by name, gathered in the compiled loop (`observer`),
     or texts as in the file of a scenario, computed from the true motion (`measures.expression`), and its signal hash if
-    asked to. Without `threads` there are as many as cores. ParameterError if a name or value is refused, if roles do
+    asked to. Runs that an `ending` ends before have the bits of a run of that duration, and reductions are refused with
+    it. Without `threads` there are as many as cores. ParameterError if a name or value is refused, if roles do
     not fit together, if a method is plain Python, all before anything runs, or if a run's values make no method.
     """
     check_graph(configurations)
@@ -195,13 +211,15 @@ def batch(
     _refuse_channels(configurations, [*signals, *(reduction.channel for reduction in reductions.values())])
     if isinstance(every, bool) or not isinstance(every, int) or every < 1:
         raise ParameterError(f"every: {every!r} is refused, allowed is a whole number of periods, at least 1")
+    if ending and reductions:
+        raise ParameterError("reductions are refused for runs that may end before, allowed are metrics of whole runs")
     period = next(iter(configurations.values())).period
     times = np.array([stamps.to_seconds(n * period) for n in range(stamps.from_seconds(duration) // period + 1)])
     if not len(times):
         raise ParameterError(f"duration: {duration!r} is refused, allowed is 0 s or more")
     observation = Observation(signals, every, tuple(reductions.values()), variation.runs, len(times))
-    measures = WholeRuns(texts, configurations, variation.runs, times, hashes) if texts or hashes else None
-    runs = Runs(configurations, variation, states, observation, times, measures)
+    measures = WholeRuns(texts, configurations, variation.runs, times, hashes) if texts or hashes or ending else None
+    runs = Runs(configurations, variation, states, observation, times, measures, ending)
     workers = threads or len(os.sched_getaffinity(0))
     with ThreadPoolExecutor(workers) as pool:
         # In portions: handing over each run alone costs a tenth of making it; the last ones shall be short.
@@ -220,6 +238,7 @@ def batch(
         times[::every],
         failed,
         measures.hashes if measures else (),
+        measures.ends if measures else np.array([]),
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from ev_core.lockstep.configuration import Configuration
 from ev_sim.batches.batch import BatchResult, batch
 from ev_sim.batches.variation import EVERY_ROLE
+from ev_sim.batches.whole_runs import Ending
 from ev_sim.measures.registry import NamedMetric
 
 _PERIOD = "control_period"
@@ -23,22 +24,24 @@ def batch_by_period(
     metrics: Sequence[str | NamedMetric],
     threads: int | None = None,
     hashes: bool = False,
+    ending: Ending | None = None,
 ) -> BatchResult:
     """As `batch`, but that *.control_period may vary as well; what is measured comes in the order of the runs."""
     if PERIOD not in vary:
-        return batch(configurations, duration, vary, metrics=metrics, threads=threads, hashes=hashes)
+        return batch(configurations, duration, vary, metrics=metrics, threads=threads, hashes=hashes, ending=ending)
     periods = vary[PERIOD]
     found: dict[str, np.ndarray] = {}
     failed: dict[int, str] = {}
-    signal_hashes = [""] * len(periods) if hashes else []
+    signal_hashes, ends = [""] * len(periods) if hashes else [], np.full(len(periods), np.nan)
     for period in dict.fromkeys(periods):
         runs = [run for run, each in enumerate(periods) if each == period]
         columns = {name: [column[run] for run in runs] for name, column in vary.items() if name != PERIOD}
         changed = {role: each.changed({_PERIOD: period}) for role, each in configurations.items()}
-        of = batch(changed, duration, columns, metrics=metrics, threads=threads, hashes=hashes)
+        of = batch(changed, duration, columns, metrics=metrics, threads=threads, hashes=hashes, ending=ending)
+        ends[runs] = of.ends
         for name, values in of.metrics.items():
             found.setdefault(name, np.full(len(periods), np.nan))[runs] = values
         failed |= {runs[number]: text for number, text in of.failed.items()}
         for run, each in zip(runs, of.hashes, strict=False):
             signal_hashes[run] = each
-    return BatchResult(found, {}, np.array([]), failed, signal_hashes)
+    return BatchResult(found, {}, np.array([]), failed, signal_hashes, ends)

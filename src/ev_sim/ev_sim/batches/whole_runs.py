@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,9 +11,20 @@ from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.batches.observer import Observation
 from ev_sim.measures.own_metrics import named_metrics
-from ev_sim.measures.registry import NamedMetric, driven_run, refuse_unmeasurable
+from ev_sim.measures.registry import DrivenRun, NamedMetric, driven_run, refuse_unmeasurable
 from ev_sim.recording.offline import OF_THE_CAR, written_topics
 from ev_sim.recording.recording import Recording, signal_hash
+
+
+@dataclass(frozen=True)
+class Ending:
+    """Runs may end before their duration: at the first multiple of `every` [s] at which one `is_over`.
+
+    It is asked with the run so far, and with the sample up to which it was asked before.
+    """
+
+    is_over: Callable[[DrivenRun, int], bool]
+    every: float = 1.0
 
 
 class WholeRun:
@@ -30,23 +42,24 @@ class WholeRun:
         self._true.append(Observation(self._of_roles[role], 1, (), 1, len(self._times)))
         return self._true[-1]
 
-    def recorded(self) -> tuple[Recording, Recording]:
-        """What was shown, and the true motion (`true_motion`, which has to drive the car again for it)."""
-        shown = Recording(self._times, _only_run(self.shown))
-        true = {name: values for each in self._true for name, values in _only_run(each).items()}
-        return shown, Recording(self._times, {**shown.channels, **true}, shown) if true else shown
+    def recorded(self, instants: int) -> tuple[Recording, Recording]:
+        """What was shown up to an instant, and the true motion (`true_motion`, which has to drive the car again)."""
+        times = self._times[:instants]
+        shown = Recording(times, _only_run(self.shown, instants))
+        true = {name: values for each in self._true for name, values in _only_run(each, instants).items()}
+        return shown, Recording(times, {**shown.channels, **true}, shown) if true else shown
 
 
-def _only_run(observation: Observation) -> dict[str, np.ndarray]:
-    return {name: values[0] for name, values in observation.signals().items()}
+def _only_run(observation: Observation, instants: int) -> dict[str, np.ndarray]:
+    return {name: values[0, :instants] for name, values in observation.signals().items()}
 
 
 class WholeRuns:
     """What is measured of each run once it is driven; `values` have by name one number for each run, (runs,).
 
-    NaN stands where there is none. `hashes` are those of the published signals if they are asked for, empty for a run
-    that has not ended. ParameterError for texts that name or declare no metric, and for a metric of
-    channels that the graph does not have.
+    NaN stands where there is none. `ends` are when the runs ended [s], (runs,), and `hashes` those of the published
+    signals if they are asked for, NaN and empty for a run that has not ended. ParameterError for texts that name or
+    declare no metric, and for a metric of channels that the graph does not have.
     """
 
     def __init__(
@@ -67,14 +80,16 @@ class WholeRuns:
         }
         self.values = {name: np.full(runs, np.nan) for name in self._metrics}
         self.hashes = [""] * runs if hashed else []
+        self.ends = np.full(runs, np.nan)
 
     def whole_run(self) -> WholeRun:
         """The memory for a run."""
         return WholeRun(self._channels, self._of_roles, self._times)
 
-    def take(self, run: int, whole: WholeRun, configurations: Mapping[str, Configuration]) -> None:
-        """Measure a run that has ended, of these configurations."""
-        shown, motion = whole.recorded()
+    def take(self, run: int, whole: WholeRun, instants: int, configurations: Mapping[str, Configuration]) -> None:
+        """Measure a run that has ended after some instants, of these configurations."""
+        shown, motion = whole.recorded(instants)
+        self.ends[run] = shown.time[-1]
         if self.hashes:
             self.hashes[run] = signal_hash(shown)
         driven = driven_run(motion, configurations)

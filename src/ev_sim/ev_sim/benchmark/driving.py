@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 import shlex
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,10 +17,9 @@ from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.by_period import batch_by_period
 from ev_sim.batches.variation import EVERY_ROLE
 from ev_sim.benchmark.board import FRICTION, MOTOR_FAULT, SIDES, TOLD_FRICTION, Board, Cell, Variation, by_role
-from ev_sim.benchmark.entry_speed import CLEAN, clean, highest_clean, searched_at
+from ev_sim.benchmark.entry_speed import CLEAN, END, HASH, Driven, at_highest_clean, searched_at
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
 from ev_sim.recording.recording import combined_hash
@@ -50,6 +50,10 @@ class LawInCell:
     vary: Mapping[str, Sequence[Any]]
     fixed: Mapping[str, Any]
 
+    def only(self, draw: int) -> LawInCell:
+        """One of the runs."""
+        return replace(self, vary={name: [column[draw]] for name, column in self.vary.items()})
+
 
 @dataclass(frozen=True)
 class DrivenCell:
@@ -68,26 +72,36 @@ class DrivenCell:
 
 def drive_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | None = None) -> DrivenCell:
     """Drive all draws of a cell with each law; ParameterError for what the file of the board gets wrong."""
-    manoeuvre = board.manoeuvres[cell.manoeuvre]
     driven = DrivenCell(cell, {}, {}, {}, {})
-    for law, runs in laws_in_cell(board, cell, laws, threads).items():
-        metrics = [*manoeuvre.measured, *([clean(board, runs.run)] if manoeuvre.searched else [])]
-        found = batch_by_period(
-            runs.run.configurations, manoeuvre.duration, runs.vary, metrics=metrics, threads=threads, hashes=True
-        )
-        driven.metrics[law] = {name: of for name, of in found.metrics.items() if name != CLEAN}
-        driven.clean[law] = found.metrics.get(CLEAN, np.ones(board.draws)) == 1.0
-        driven.commands[law] = [shlex.join(words_of(board, cell, runs, draw)) for draw in range(board.draws)]
-        driven.hashes[law] = [each and combined_hash({runs.run.name: each}) for each in found.hashes]
+    for law, runs in laws_in_cell(board, cell, laws).items():
+        words, found = drive_law(board, cell, runs, threads)
+        driven.metrics[law] = {name: of for name, of in found.items() if name not in (CLEAN, HASH, END)}
+        driven.clean[law] = found.get(CLEAN, np.ones(board.draws)) == 1.0
+        driven.commands[law] = list(map(shlex.join, words))
+        driven.hashes[law] = [each and combined_hash({runs.run.name: each}) for each in found[HASH].tolist()]
     return driven
 
 
-def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | None = None) -> dict[str, LawInCell]:
-    """By law its runs in a cell, with the same draws for all, and at its own entry speeds where they are looked for.
+def drive_law(board: Board, cell: Cell, runs: LawInCell, threads: int | None = None) -> tuple[list[list[str]], Driven]:
+    """Drive a law in a cell: what came of it, and the words that drive each run alone.
 
-    ParameterError for what the file of the board gets wrong.
+    They do so over DDS, or with --offline or --in-process behind them another way.
     """
-    fixed, manoeuvre = values_of(board, cell), board.manoeuvres[cell.manoeuvre]
+    manoeuvre = board.manoeuvres[cell.manoeuvre]
+    speeds, found = at_highest_clean(board, manoeuvre, runs.run, runs.vary, threads)
+    words = ["scripts/run.sh", manoeuvre.scenario, *(["--run", manoeuvre.run] if manoeuvre.run else [])]
+    words += ["--vehicle", cell.car.partition(":")[0], "--duration"]
+    commands = []
+    for draw, end in enumerate(found[END].tolist()):
+        values = {**runs.fixed, **{name: column[draw] for name, column in {**runs.vary, **speeds}.items()}}
+        set_to = [word for name, value in values.items() for word in ("--set", f"{name}={json.dumps(value)}")]
+        commands.append([*words, repr(manoeuvre.duration if math.isnan(end) else end), *set_to])
+    return commands, found
+
+
+def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str]) -> dict[str, LawInCell]:
+    """By law its runs in a cell, the same draws for all; ParameterError for what the file of the board gets wrong."""
+    fixed = values_of(board, cell)
     base = run_of(board, cell, fixed)
     draws, found = drawn(board, cell, base.configurations), {}
     for law in laws:
@@ -96,10 +110,7 @@ def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | N
         of_law = {f"{role}.{name}": value for role, of in values.items() for name, value in of.items()}
         _refuse_lost(f"manoeuvre {cell.manoeuvre}", law, fixed.keys() - of_law.keys(), base.configurations, playing)
         run = replace(base, configurations={**base.configurations, **playing})
-        vary = {**draws.values, **own_draws(playing, draws)}
-        if manoeuvre.searched:
-            vary |= highest_clean(board, manoeuvre, run, vary, threads)
-        found[law] = LawInCell(run, vary, {**fixed, **of_law})
+        found[law] = LawInCell(run, {**draws.values, **own_draws(playing, draws)}, {**fixed, **of_law})
     return found
 
 
@@ -287,13 +298,3 @@ def own_draws(law: Mapping[str, Configuration], draws: Draws) -> dict[str, Seque
         for name, own in of.values().items()
         if name in BELIEF
     }
-
-
-def words_of(board: Board, cell: Cell, runs: LawInCell, draw: int) -> list[str]:
-    """The words that drive a run alone: over DDS, or with --offline or --in-process behind them another way."""
-    manoeuvre = board.manoeuvres[cell.manoeuvre]
-    words = ["scripts/run.sh", manoeuvre.scenario, *(["--run", manoeuvre.run] if manoeuvre.run else [])]
-    words += ["--vehicle", cell.car.partition(":")[0], "--duration", repr(manoeuvre.duration)]
-    for name, value in {**runs.fixed, **{name: column[draw] for name, column in runs.vary.items()}}.items():
-        words += ["--set", f"{name}={json.dumps(value)}"]
-    return words

@@ -1,39 +1,44 @@
-"""The highest speed that a car drives clean, by bisection of the runs of all draws at once.
+"""The highest speed that a car drives clean, looked for in the runs of all draws at once.
 
 It is the entry speed of a manoeuvre, or the scale of the speed profile of a lap.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.batches.by_period import batch_by_period
+from ev_sim.batches.whole_runs import Ending
 from ev_sim.benchmark.board import Board, Manoeuvre
-from ev_sim.manoeuvres.double_lane_change import passed
+from ev_sim.manoeuvres.double_lane_change import is_over, passed, road_of
 from ev_sim.measures.handling import peak_sideslip
-from ev_sim.measures.laps import lap_times
+from ev_sim.measures.laps import lap_times, laps_begun, leaves
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.registry import DrivenRun, NamedMetric
 from ev_sim.scenarios.scenario import Run
 
-CLEAN = "clean"
+CLEAN, HASH, END = "clean", "signal hash", "end of run"
+DRIVEN = "runs_driven"  # until the speed of a draw was found
+Driven = dict[str, np.ndarray]  # metrics, and by these names whether runs are clean, and when they ended [s], (runs,)
 _DRIVER = "driver"
+_FIRST_STEP = 4  # of 64 speeds: what draws change
+_LOOK, _LOOK_AT_LAP = 1.0, 5.0  # [s], between two looks at a run: at a lap one costs as much as 0.6 s of it
 
 
 def clean(board: Board, run: Run) -> NamedMetric:
     """Whether a run is: the car is stable, in its lanes or on its road to the end, and touches no cone."""
-    parameters = {_DRIVER: run.configurations[_DRIVER].values()}
+    road = road_of({_DRIVER: run.configurations[_DRIVER].values()})
 
     def of(driven: DrivenRun) -> float:
         try:
             if driven.course is not None:
                 in_lanes = len(lap_times(driven.signals, driven.vehicle, driven.course)) >= driven.course.laps
             else:
-                in_lanes = passed(driven.signals, driven.vehicle, parameters, run.course)
+                in_lanes = passed(driven.signals, driven.vehicle, road, run.course)
         except NotMeasured:  # it has not come to the end
             return 0.0
         return float(in_lanes and peak_sideslip(driven.signals) < board.unstable)
@@ -41,6 +46,41 @@ def clean(board: Board, run: Run) -> NamedMetric:
     return NamedMetric(
         CLEAN, "1", "1: stable, in the lanes and on the road to the end, no cone hit, all laps driven; else 0", of, ()
     )
+
+
+def _ending(board: Board, manoeuvre: Manoeuvre, run: Run) -> Ending:
+    """Runs end when they are not clean any more, or at the end of lanes and laps: nothing behind it counts."""
+    road = road_of({_DRIVER: run.configurations[_DRIVER].values()})
+
+    def known(driven: DrivenRun, since: int) -> bool:
+        signals, vehicle, course = driven.signals, driven.vehicle, driven.course
+        new = signals.part(since)
+        if peak_sideslip(new) >= board.unstable:
+            return True
+        if course is None:
+            return is_over(signals, since, vehicle, road, run.course)
+        return leaves(new, vehicle, course) is not None or laps_begun(signals, vehicle, course) > course.laps
+
+    return Ending(known, _LOOK_AT_LAP if manoeuvre.speed_scale else _LOOK)
+
+
+def drive(
+    board: Board, manoeuvre: Manoeuvre, run: Run, vary: Mapping[str, Sequence[Any]], threads: int | None
+) -> Driven:
+    """Drive a law in a manoeuvre, a run for each row of what varies.
+
+    Where a speed is looked for a run ends before its duration once it is known whether it is clean.
+    """
+    found = batch_by_period(
+        run.configurations,
+        manoeuvre.duration,
+        vary,
+        metrics=[*manoeuvre.measured, *([clean(board, run)] if manoeuvre.searched else [])],
+        threads=threads,
+        hashes=True,
+        ending=_ending(board, manoeuvre, run) if manoeuvre.searched else None,
+    )
+    return {**found.metrics, HASH: np.array(found.hashes, object), END: found.ends}
 
 
 def at_speeds(speeds: np.ndarray) -> dict[str, list[Any]]:
@@ -64,24 +104,56 @@ def searched_at(manoeuvre: Manoeuvre, values: np.ndarray) -> dict[str, list[Any]
     return at_scales(values) if manoeuvre.speed_scale else {}
 
 
-def highest_clean(
-    board: Board, manoeuvre: Manoeuvre, run: Run, vary: Mapping[str, Iterable[Any]], threads: int | None
-) -> dict[str, list[Any]]:
-    """What has to vary for each draw to be driven at its highest clean speed, or at the lowest one if none is.
+def at_highest_clean(
+    board: Board, manoeuvre: Manoeuvre, run: Run, vary: Mapping[str, Sequence[Any]], threads: int | None
+) -> tuple[dict[str, list[Any]], Driven]:
+    """What has to vary for each draw to be driven at its highest clean speed, at the lowest one if none is; and that.
 
-    Between a speed that was clean and one that was not the middle is driven, `halvings` times. Where cleanness comes
-    and goes with the speed this finds one of its ends.
+    Speeds are the bounds and 2^`halvings` - 1 between them, evenly. Each draw begins at what the run without draws
+    reaches. Where cleanness comes and goes with the speed this finds one of its ends. A manoeuvre that raises nothing
+    is just driven.
     """
-    low, high = (np.full(board.draws, end) for end in manoeuvre.searched)
-    for _ in range(manoeuvre.halvings):
-        middle = 0.5 * (low + high)
-        found = batch_by_period(
-            run.configurations,
-            manoeuvre.duration,
-            {**vary, **searched_at(manoeuvre, middle)},
-            metrics=[clean(board, run)],
-            threads=threads,
-        )
-        is_clean = found.metrics[CLEAN] == 1.0
-        low, high = np.where(is_clean, middle, low), np.where(is_clean, high, middle)
-    return searched_at(manoeuvre, low)
+    if not manoeuvre.searched:
+        return {}, drive(board, manoeuvre, run, vary, threads)
+    lowest, highest = manoeuvre.searched
+    count = 2**manoeuvre.halvings
+    best: Driven = {}
+    tries = np.zeros(board.draws)
+
+    def drive_at(draws: np.ndarray, places: np.ndarray) -> np.ndarray:
+        columns = {name: [column[draw] for draw in draws.tolist()] for name, column in vary.items()}
+        speeds = searched_at(manoeuvre, lowest + (highest - lowest) * places / count)
+        found = drive(board, manoeuvre, run, columns | speeds, threads)
+        is_clean: np.ndarray = found[CLEAN] == 1.0
+        tries[draws] += 1.0
+        for name, of in found.items():
+            kept = best.setdefault(name, np.empty(board.draws, of.dtype))
+            kept[draws[is_clean | (places == 0)]] = of[is_clean | (places == 0)]
+        return is_clean
+
+    def nominal(_: np.ndarray, places: np.ndarray) -> np.ndarray:
+        speeds = searched_at(manoeuvre, lowest + (highest - lowest) * places / count)
+        is_clean: np.ndarray = drive(board, manoeuvre, run, speeds, threads)[CLEAN] == 1.0
+        return is_clean
+
+    start = int(last_true(count, 1, count // 2, nominal)[0])
+    places = last_true(count, board.draws, start, drive_at)
+    if (never := np.flatnonzero(places == 0)).size:
+        drive_at(never, places[never])
+    return searched_at(manoeuvre, lowest + (highest - lowest) * places / count), {**best, DRIVEN: tries}
+
+
+def last_true(count: int, rows: int, start: int, is_true: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+    """For each of some rows the last of the places 0..count-1 at which something is true, (rows,); 0 if at none.
+
+    `is_true` is asked for some rows at a place for each. True is expected up to a place and false behind it, near
+    `start`: from there on in growing steps, and then by halves (Bentley & Yao 1976, Inf. Process. Lett. 5, 82-87).
+    """
+    low, high = np.zeros(rows, int), np.full(rows, count)
+    at, step = np.full(rows, min(max(start, 1), count - 1)), _FIRST_STEP
+    while (asked := np.flatnonzero(high - low > 1)).size:
+        found = is_true(asked, at[asked])
+        low[asked], high[asked] = np.where(found, at[asked], low[asked]), np.where(found, high[asked], at[asked])
+        at = np.where(high == count, low + step, np.where(low == 0, high - step, (low + high) // 2))
+        at, step = np.clip(at, low + 1, high - 1), 2 * step
+    return low

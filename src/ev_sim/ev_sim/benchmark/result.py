@@ -15,6 +15,7 @@ import numpy as np
 from ev_sim.benchmark.board import COSTS, Board, Cell
 from ev_sim.benchmark.distributions import COSTS_SHOWN, Estimate, improvement, performance_profiles
 from ev_sim.benchmark.driving import DrivenCell
+from ev_sim.benchmark.entry_speed import DRIVEN
 from ev_sim.benchmark.scores import Score, costs_of, interquartile_mean, scores, tail_mean
 from ev_sim.command_line.options import command_of
 
@@ -33,9 +34,13 @@ class BoardResult:
     step_times: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
-    def _counted(self) -> tuple[np.ndarray, dict[str, np.ndarray], list[Cell]]:
-        """Which runs are unstable, by cost what each costs, and the cells: one after the other, to spare memory."""
+    def _counted(self) -> tuple[np.ndarray, dict[str, np.ndarray], list[Cell], int]:
+        """Which runs are unstable, by cost what each costs, the cells, and how many runs were driven for all of them.
+
+        One cell after the other, to spare memory.
+        """
         unstable, costs, places = list[np.ndarray](), {cost: list[np.ndarray]() for cost in COSTS}, list[Cell]()
+        driven = 0
         for cell in self.cells:
             manoeuvre, board = self.board.manoeuvres[cell.cell.manoeuvre], self.board
             sideslip = np.array([cell.metrics[law]["peak_sideslip"] for law in self.laws])
@@ -44,7 +49,8 @@ class BoardResult:
                 texts = manoeuvre.metrics(cost)
                 of.append(costs_of(cell.metrics, texts, board.scales, board.reference, unstable[-1]))
             places.append(cell.cell)
-        return np.stack(unstable, axis=1), {cost: np.stack(of, axis=1) for cost, of in costs.items()}, places
+            driven += sum(int(of[DRIVEN].sum()) if DRIVEN in of else self.board.draws for of in cell.metrics.values())
+        return np.stack(unstable, axis=1), {cost: np.stack(of, axis=1) for cost, of in costs.items()}, places, driven
 
     @property
     def unstable(self) -> np.ndarray:
@@ -80,6 +86,11 @@ class BoardResult:
     def places(self) -> list[Cell]:
         """The cells without what was driven, which may be on disk."""
         return self._counted[2]
+
+    @property
+    def driven(self) -> int:
+        """How many runs were driven, those among them that looked for an entry speed."""
+        return self._counted[3]
 
     def scores_among(self, laws: Sequence[int]) -> dict[str, list[Score]]:
         """The scores of some laws, ranked among themselves."""
@@ -131,6 +142,7 @@ class BoardResult:
             "board": self.board.name,
             "version": self.board.version,
             "draws": self.board.draws,
+            "runs_driven": self.driven,
             "cells": [each.id("*") for each in self.places],
             "scores": {
                 law: {of: each[i]._asdict() for of, each in self.scores.items()}

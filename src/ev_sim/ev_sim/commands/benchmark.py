@@ -17,7 +17,7 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.benchmark.added import check_laws, with_added
 from ev_sim.benchmark.board import Board, Cell, read_board
 from ev_sim.benchmark.drawing import board_sheet
-from ev_sim.benchmark.driving import DrivenCell, drive_cell, laws_in_cell, words_of
+from ev_sim.benchmark.driving import DrivenCell, drive_cell, drive_law, laws_in_cell
 from ev_sim.benchmark.held_out import held_out
 from ev_sim.benchmark.kept_cells import FOLDER, KeptCells
 from ev_sim.benchmark.law_pages import law_page
@@ -76,7 +76,9 @@ def run_benchmark(argv: Sequence[str]) -> None:
             save_figures(drawn({FIGURE: board_sheet(result)}), folder.directory)
     print(f"hash of all runs {result.hash}")
     again = f", {before} of them driven before (--anew drives them again)" if before else ""
-    print(f"{len(cells) * len(laws) * board.draws} runs in {time.monotonic() - begin:.1f} s{again}")
+    total = len(cells) * len(laws) * board.draws
+    searches = f", {result.driven} with those of the search for entry speeds," if result.driven > total else ""
+    print(f"{total} runs{searches} in {time.monotonic() - begin:.1f} s{again}")
     print(f"scores, all runs and figure: {folder.directory}")
 
 
@@ -109,7 +111,7 @@ def _drive(board: Board, kept: KeptCells, scheduler: str | None = None, workers:
 def _jobs(board: Board, cell: Cell, laws: Sequence[str]) -> Iterator[tuple[Board, Cell, Sequence[str], int]]:
     """What `drive_cell` is called with, on one thread: as many laws as make a job that is worth preparing the cell."""
     manoeuvre = board.manoeuvres[cell.manoeuvre]
-    of_law = board.draws * (1 + manoeuvre.halvings * bool(manoeuvre.searched))
+    of_law = board.draws * (manoeuvre.halvings if manoeuvre.searched else 1)
     count = max(RUNS_OF_A_JOB // of_law, 1)
     for begin in range(0, len(laws), count):
         yield board, cell, laws[begin : begin + count], 1
@@ -165,7 +167,8 @@ def _drive_alone(board: Board, given: argparse.Namespace) -> None:
     cells = board.cells(given.cells)
     if len(cells) > 1:
         raise ParameterError(f"--drive is for one cell, {len(cells)} fit {quoted(given.cells)}; allowed is --cells ID")
-    _, *words = words_of(board, cells[0], laws_in_cell(board, cells[0], [law])[law], int(number))
+    runs = laws_in_cell(board, cells[0], [law])[law].only(int(number))
+    ((_, *words),), _ = drive_law(replace(board, draws=1), cells[0], runs)
     words += ["--offline"] * given.offline + ["--in-process"] * given.in_process + ["--no-report"] * given.no_report
     drive_scenario(arguments([*words, *(["--out", str(given.out)] if given.out else [])]))
 

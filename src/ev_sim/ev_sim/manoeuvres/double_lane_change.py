@@ -23,18 +23,19 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
 
     Without a course in the scenario the values are those of the whole run.
     """
+    road = road_of(parameters)
 
     def of(run: Recording) -> dict[str, Metric]:
         def hit() -> int:
             _end_of_course(run, vehicle, course)  # who leaves the course early spares its cones
             count = np.count_nonzero(hit_cones(run, vehicle, course))
-            if not count and (left := _left(run, vehicle, parameters, course)):
+            if not count and (left := _left(run, vehicle, road, course)):
                 raise NotMeasured(left)  # no cone stands where the car was
             return count
 
         def in_lanes() -> bool:
             lanes_driven(run, vehicle, course)
-            return passed(run, vehicle, parameters, course)
+            return passed(run, vehicle, road, course)
 
         def at(which: int) -> float:
             return motion.path_speed(run)[_on_course(run, vehicle, course)][which]
@@ -69,16 +70,29 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
     return motion.of_each_run(runs, of)
 
 
-def passed(run: Recording, vehicle: Vehicle, parameters: Parameters, course: Course) -> bool:
+def road_of(parameters: Parameters) -> PathParameters | None:
+    """The path of the driver, in the middle of the road; None if he has none."""
+    path = {name: value for name, value in parameters.get("driver", {}).items() if name.startswith(_PATH)}
+    return build(PathParameters, path, _PATH) if path else None
+
+
+def passed(run: Recording, vehicle: Vehicle, road: PathParameters | None, course: Course) -> bool:
     """Whether a car stays in the lanes of a course, if there is one, and on the road of the driver, and hits no cone.
 
     NotMeasured if it does neither leave them nor reach the end.
     """
-    if _left(run, vehicle, parameters, course) or (course.begin and hit_cones(run, vehicle, course).any()):
+    if _left(run, vehicle, road, course) or (course.begin and hit_cones(run, vehicle, course).any()):
         return False
     if course.begin:
         _end_of_course(run, vehicle, course)
     return True
+
+
+def is_over(run: Recording, since: int, vehicle: Vehicle, road: PathParameters | None, course: Course) -> bool:
+    """Whether a car has left lanes or road, or is behind the last cone; up to a sample it is known that it has not."""
+    if not course.begin:
+        return bool(_left(run.part(since), vehicle, road, course))
+    return bool(channel(run, "pose.x")[-1] >= course.end[-1] or _left(run, vehicle, road, course))
 
 
 def figures(runs: Runs, vehicle: Vehicle, course: Course) -> dict[str, Sheet]:
@@ -109,18 +123,16 @@ def _on_course(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
     return (x >= course.begin[0]) & (np.arange(len(x)) <= _end_of_course(run, vehicle, course))
 
 
-def _left(run: Recording, vehicle: Vehicle, parameters: Parameters, course: Course) -> str:
+def _left(run: Recording, vehicle: Vehicle, road: PathParameters | None, course: Course) -> str:
     """Where the car left the course up to its end, in a line: a lane, or the road of the driver's path; empty if not.
 
     That of the driver's path is as wide as `driver.path.width`.
     """
-    path = {name: value for name, value in parameters.get("driver", {}).items() if name.startswith(_PATH)}
     x, y = channel(run, "pose.x"), channel(run, "pose.y")
     behind = x > course.end[-1] if course.begin else np.zeros(len(x), bool)
     until = int(behind.argmax()) if behind.any() else len(x)
     outside = {"its lane": outside_lanes(run, vehicle, course)} if course.begin else {}
-    if path:
-        of = build(PathParameters, path, _PATH)
-        outside["the road"] = distances_from(path_of(of), x, y) > of.width / 2
+    if road:
+        outside["the road"] = distances_from(path_of(road), x, y) > road.width / 2
     first = sorted((int(where.argmax()), what) for what, where in outside.items() if where[:until].any())
     return f"the car left {first[0][1]} at {run.time[first[0][0]]:.2f} s" if first else ""

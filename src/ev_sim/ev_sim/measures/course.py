@@ -120,11 +120,11 @@ def hit_cones(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
     x, y, heading = channel(run, "pose.x"), channel(run, "pose.y"), motion.heading(run)
     front = vehicle.wheelbase - vehicle.centre_of_mass_to_rear_axle + course.overhang
     rear = vehicle.centre_of_mass_to_rear_axle + course.overhang
-    half = course.body_width(vehicle) / 2
+    half, cosine, sine = course.body_width(vehicle) / 2, np.cos(heading), np.sin(heading)
     hit = []
     for cone_x, cone_y in cones(run, vehicle, course):
-        ahead = (cone_x - x) * np.cos(heading) + (cone_y - y) * np.sin(heading)
-        aside = (cone_y - y) * np.cos(heading) - (cone_x - x) * np.sin(heading)
+        ahead = (cone_x - x) * cosine + (cone_y - y) * sine
+        aside = (cone_y - y) * cosine - (cone_x - x) * sine
         hit.append(bool(((ahead > -rear) & (ahead < front) & (np.abs(aside) < half)).any()))
     return np.array(hit)
 

@@ -34,6 +34,11 @@ def lap_times(run: Recording, vehicle: Vehicle, course: CourseParameters | None)
     return np.diff(crossed)
 
 
+def laps_begun(run: Recording, vehicle: Vehicle, course: CourseParameters | None) -> int:
+    """How often the car crosses the line of the course forwards; NotMeasured where no course is driven."""
+    return len(_crossings(run, line_of(course, vehicle)))
+
+
 def path_error(run: Recording, vehicle: Vehicle, course: CourseParameters | None) -> float:
     """Root mean square of the distance of the centre of mass from the racing line in all whole laps [m]."""
     line = line_of(course, vehicle)

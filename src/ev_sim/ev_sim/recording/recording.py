@@ -115,6 +115,12 @@ class Recording:
         """Time from the first to the last sample [s]."""
         return float(self.time[-1] - self.time[0]) if len(self.time) else 0.0
 
+    def part(self, begin: int) -> Recording:
+        """The samples from one on, as views."""
+        shown = self.shown.part(begin) if self.shown else None
+        channels = {name: values[begin:] for name, values in self.channels.items()}
+        return Recording(self.time[begin:], channels, shown, self.unknown)
+
 
 def recording_of(frames: np.ndarray, topics: Iterable[Topic]) -> Recording:
     """The channels of some topics in a stack of frames (instants, frame size), each in one piece of memory.

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.by_period import batch_by_period
 from ev_sim.benchmark.board import Board, by_role
 from ev_sim.benchmark.driving import DrivenCell, LawInCell, laws_in_cell
+from ev_sim.benchmark.entry_speed import drive
 from ev_sim.benchmark.scores import LARGEST, WORST, costs_of, interquartile_mean, tail_mean
 
 
@@ -60,9 +60,7 @@ class Training:
         for role, values in by_role(candidates[0]).items():
             for name in values:
                 vary[f"{role}.{name}"] = [by_role(each)[role][name] for each in candidates for _ in range(board.draws)]
-        metrics = batch_by_period(
-            law.run.configurations, manoeuvre.duration, vary, metrics=manoeuvre.measured, threads=self._threads
-        ).metrics
+        metrics = drive(board, manoeuvre, law.run, vary, self._threads)
         reference = {name: np.tile(each, count) for name, each in of.metrics[board.reference].items()}
         both = {board.reference: reference, "": metrics}
         unstable = np.stack([~(each["peak_sideslip"] < board.unstable) for each in both.values()])
