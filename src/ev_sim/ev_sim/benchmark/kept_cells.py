@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ev_core.parameters.data_file import files_read
+from ev_sim.benchmark.added import refuse_variations
 from ev_sim.benchmark.board import Board, Cell
 from ev_sim.benchmark.driving import DrivenCell, law_of, run_of, values_of
 from ev_sim.recording.outcome import RunFailed
@@ -39,6 +40,7 @@ class KeptCells(Sequence[DrivenCell]):
         self.runs: list[Run] = []
         self._sources = digest_of_sources(config=True)
         self._names = dict(self._named(board))
+        refuse_variations(board, self.runs)
 
     def _named(self, board: Board) -> Iterator[tuple[tuple[Cell, str], str]]:
         """The file of each law in each cell. What is not of both stays in the digest, so that nothing is forgotten."""
@@ -51,13 +53,11 @@ class KeptCells(Sequence[DrivenCell]):
                 of_runs[cell.car, cell.manoeuvre], base = self._key_of(
                     lambda cell=cell: run_of(board, cell, values_of(board, cell))
                 )
+                self.runs.append(_with_law(board, self._laws[0], base))
             for law in self._laws:
                 if (cell.car, law) not in of_laws:
-                    of_laws[cell.car, law], _ = self._key_of(
-                        lambda base=base, law=law: replace(
-                            base, configurations={**base.configurations, **law_of(board, law, base)}
-                        )
-                    )
+                    of_laws[cell.car, law], run = self._key_of(lambda base=base, law=law: _with_law(board, law, base))
+                    self.runs.append(run)
                 manoeuvres = {cell.manoeuvre: board.manoeuvres[cell.manoeuvre]}
                 declared = replace(others, laws={law: board.laws[law]}, manoeuvres=manoeuvres)
                 keys = of_runs[cell.car, cell.manoeuvre], of_laws[cell.car, law]
@@ -68,7 +68,6 @@ class KeptCells(Sequence[DrivenCell]):
         with files_read() as read:
             key, run = run_key(make)
         self._read |= read
-        self.runs.append(run)
         return key, run
 
     @property
@@ -137,3 +136,7 @@ class KeptCells(Sequence[DrivenCell]):
                 [each.decode() for each in part[name].tolist()] for name in (_HASHES, _COMMANDS)
             )
         return driven
+
+
+def _with_law(board: Board, law: str, base: Run) -> Run:
+    return replace(base, configurations={**base.configurations, **law_of(board, law, base)})
