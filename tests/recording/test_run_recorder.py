@@ -132,7 +132,7 @@ def test_answers_that_come_with_a_reset_are_kept_where_their_stamps_tell_them_fr
 
 
 def test_a_closed_recorder_keeps_nothing_more(tmp_path):
-    """In one process a plant in real time ends after it, and what the plant reported then was written to a closed bag."""
+    """In one process a plant in real time may end after it, and report something that a closed bag cannot take."""
     recorder = recorder_in(tmp_path, bag=True, mode="realtime", duration=PERIOD / 1e9)
     for step in range(2):
         recorder.add(0, [message(USED[0], step, 1.0)], [step], fail)
