@@ -12,6 +12,8 @@ from ev_core.check.method import ContractError, check_configuration
 from ev_core.lockstep.configuration import Configuration, refuse_unused
 from ev_core.lockstep.finding import find_method, is_code
 from ev_core.parameters.declaration import flatten
+from ev_core.parameters.values import check
+from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.batches.by_period import PERIOD
 from ev_sim.batches.variation import EVERY_ROLE
@@ -126,6 +128,6 @@ def _refuse_variation(variation: Variation, driven: Mapping[str, Configuration])
                 "it is a number of a law, of which each has its own, allowed is value, count or choice"
             )
     of_car = value_in(driven, variation.parameter) if variation.factor else 1.0
+    declared = {each.name: each for each in driven[MASTER if role == EVERY_ROLE else role].entries()}[parameter]
     for end in variation.choice or variation.count or [of_car * float(each) for each in variation.bounds]:
-        for each in driven.values() if role == EVERY_ROLE else (driven[role],):
-            each.changed({parameter: end})
+        check(declared, end)  # whether it fits the other values is known with all that is drawn
