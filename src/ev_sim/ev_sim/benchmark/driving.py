@@ -248,7 +248,7 @@ def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
         elif variation.count:
             values[variation.parameter] = random.integers(int(low), int(high) + 1, size=board.draws).tolist()
         else:
-            of_car = _value_in(base, variation.parameter) if variation.factor else 1.0
+            of_car = value_in(base, variation.parameter) if variation.factor else 1.0
             values[variation.parameter] = [of_car * each for each in even]
     return Draws(values, told)
 
@@ -268,11 +268,12 @@ def _motor_faults(
     return [[text] if is_struck else [] for text, is_struck in zip(texts, struck, strict=True)]
 
 
-def _value_in(base: Mapping[str, Configuration], name: str) -> float:
+def value_in(base: Mapping[str, Configuration], name: str) -> float:
+    """What a variation by a factor is on; ParameterError if it is no number."""
     role, _, parameter = name.partition(".")
     known = base[MASTER if role == EVERY_ROLE else role].values() if role == EVERY_ROLE or role in base else {}
     if not isinstance(known.get(parameter), float):
-        raise ParameterError(f"variation of {name}: nothing of this name has a number that a factor could change")
+        raise ParameterError(f"{name} is refused: nothing of this name has a number that a factor could change")
     return float(known[parameter])
 
 
