@@ -198,9 +198,13 @@ class SteppedNode(Spinnable, Node):
             while (message := reader.take()) is not None:
                 reader.receive(message)
 
-    def awaits(self) -> SubscriptionHandle:
-        """The subscription to wake up for: of the inputs that are missing, or of all, the one that arrives last."""
-        return self.readers[(self.wanted() or tuple(self.readers))[-1]].handle
+    def awaits(self) -> SubscriptionHandle | None:
+        """The subscription to wake up for: of the inputs that are missing the one that arrives last.
+
+        None if the next step lacks nothing but its time: a message that `poll` leaves untaken would end each rest.
+        """
+        wanted = self.wanted()
+        return self.readers[wanted[-1]].handle if wanted else None
 
     def wake_up_within(self) -> float:
         """Seconds after which the node wants to be polled though no message has come."""
