@@ -13,12 +13,12 @@ import pytest
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.driving import DrivenCell, drive_cell, law_of, run_of, values_of
+from ev_sim.benchmark.driving import drive_cell, law_of, run_of, values_of
 from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.commands.tune import run_tune, search_key
 from ev_sim.tuning.free import Free, free_parameters
 from ev_sim.tuning.search import chosen, search
-from ev_sim.tuning.training import Training, robust_cost
+from ev_sim.tuning.training import Reference, Training, robust_cost
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "yaw_moment.py"
 CELL = "layout_1_8_c:all:step_steer:wet:*"
@@ -135,7 +135,9 @@ def test_a_stopped_search_goes_on_and_gives_the_same(tmp_path: Path, monkeypatch
     with pytest.raises(KeyboardInterrupt):
         run_tune([*WORDS, "--out", str(stopped)])
     monkeypatch.undo()
-    run_tune([*WORDS, "--out", str(stopped)])
+    with monkeypatch.context() as patch:  # the reference is in the journal, too
+        patch.delattr("ev_sim.tuning.training.drive_cell")
+        run_tune([*WORDS, "--out", str(stopped)])
     assert "went on behind 1 generations" in capsys.readouterr().out
     rows = history(whole)
     assert history(stopped) == rows
@@ -166,11 +168,11 @@ def test_a_search_goes_on_only_while_no_file_of_its_runs_has_changed(tmp_path: P
     car.write_text(files_in_config("vehicles")["layout_1_8_c"].read_text())
     law.write_text(EXAMPLE.read_text())
     board = replace(SMALL, cars=[f"{car}:all"], laws={**SMALL.laws, "own": {"method": str(law)}})
-    cells = [DrivenCell(each, {}, {}, {}, {}) for each in board.cells("*:step_steer:wet:*")]
+    reference = Reference(board, board.cells("*:step_steer:wet:*"), threads=None)
     given = argparse.Namespace(cost="handling", seed=1)
 
     def key() -> str:
-        return search_key([(board, cells)], "own", [], given)
+        return search_key([reference], "own", [], given)
 
     keys = [key(), key()]
     for file, old, new in ((car, "mass: 1600.0", "mass: 1700.0"), (law, '"""A law', '"""The law')):

@@ -15,6 +15,7 @@ from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import TOLD_FRICTION, Board, Variation, read_board
 from ev_sim.benchmark.driving import DrivenCell, drawn, drive_cell, law_of, laws_in_cell, own_draws, run_of, values_of
+from ev_sim.benchmark.kept_cells import KeptCells
 from ev_sim.commands.run_scenario import main
 
 PERIODS = [0.005, 0.02]
@@ -181,3 +182,53 @@ def test_what_is_wrong_is_one_line(path: Path, tmp_path: Path, changed: dict, li
     with pytest.raises(ParameterError) as refused:
         read_board(str(wrong))
     assert str(refused.value).startswith(f"{wrong}: {line}")
+
+
+ED = "electronic_differential"
+
+
+@pytest.mark.parametrize(
+    ("variation", "line"),
+    [
+        (Variation("driver.nothing", value=[0, 1]), "driver.nothing by value [0, 1]: unknown parameter of driver"),
+        (Variation("nobody.mass", value=[0, 1]), "nobody.mass by value [0, 1]: unknown role 'nobody'; known: *, asr,"),
+        (
+            Variation("*.vehicle.masss", factor=[0.9, 1.1]),
+            "*.vehicle.masss by factor [0.9, 1.1]: unknown parameter of plant 'vehicle.masss'; did you mean",
+        ),
+        (
+            Variation("*.vehicle.wheelbase", factor=[-1.0, 1.0]),
+            "*.vehicle.wheelbase by factor [-1.0, 1.0]: parameter vehicle.wheelbase: -2.6 is refused, allowed",
+        ),
+        (
+            Variation("plant.sensors.imu_yaw_rate.delay", count=[0, 2000]),
+            "plant.sensors.imu_yaw_rate.delay by count [0, 2000]: parameter sensors.imu_yaw_rate.delay: 2000 is",
+        ),
+        (Variation(PERIOD, choice=[0.01, 7.0]), f"{PERIOD} by choice [0.01, 7.0]: parameter control_period: 7.0 is"),
+        (
+            Variation(f"{ED}.pi.bandwidth", factor=[0.5, 1.0]),
+            f"{ED}.pi.bandwidth by factor [0.5, 1.0]: it is a number of a law, of which each has its own",
+        ),
+        (
+            Variation(f"{ED}.known.error_factor", value=[0.5, 1.0]),
+            f"{ED}.known.error_factor by value [0.5, 1.0]: it is what a law believes of the friction, allowed is told_",
+        ),
+    ],
+)
+def test_a_variation_that_does_not_fit_ends_the_board_before_anything_is_driven(
+    board: Board, path: Path, variation: Variation, line: str
+):
+    """A factor on a number of a law was one on that of the law of the scenario; what laws believe was overwritten."""
+    own = replace(board, variations=[variation])
+    with pytest.raises(ParameterError) as refused:
+        KeptCells(own, own.cells(STEP), ["pi"])
+    assert str(refused.value).startswith(f"{path}: variation of {line}")
+
+
+def test_ends_of_two_variations_that_fit_together_alone_are_driven(board: Board):
+    """The centre of mass of a car that is twice as long is beyond the front axle of the one that is not."""
+    names = ("*.vehicle.wheelbase", "*.vehicle.centre_of_mass_to_rear_axle")
+    own = replace(board, draws=1, variations=[Variation(name, factor=[2.0, 2.0]) for name in names])
+    (cell,) = own.cells(STEP)
+    KeptCells(own, [cell], ["pi"])
+    assert drive_cell(own, cell, ["pi"]).hashes["pi"] != [""]

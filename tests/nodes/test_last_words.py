@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from ros_graph import ros_domain
+from ros_graph import node_of, ros_domain
 
 from ev_core.nodes.master.node import MasterNode
 from ev_core.nodes.reports import wait_until_heard
+from ev_core.nodes.runner_line import RUNNER_LINE
 from ev_msgs_py.contract.signals import BodyVelocity
+from ev_sim.running.node_reports import NodeReports
 from ev_sim.running.processes import parameter_overrides
 
 
@@ -48,3 +50,17 @@ def test_at_the_end_of_real_time_the_master_stays_until_the_recorder_has_everyth
         master._wait_for_the_recorder()
         assert heard[-1] == b"everything" and publisher.asked == 3
         master.destroy_node()
+
+
+def test_what_a_part_notes_of_its_last_steps_reaches_the_runner(monkeypatch):
+    """A part is asked every 0.1 s, in which a run in lockstep goes on by seconds: what it noted last was lost."""
+    reports = NodeReports("/ev")
+    monkeypatch.setenv(RUNNER_LINE, reports.line("plant")[0])
+    with ros_domain() as context:
+        plant = node_of(context, "plant", {"method": "kinematic"})
+        monkeypatch.setattr(plant.stepper.part, "notes", lambda: ("a wheel left the ground",))
+        plant.close()
+        plant.destroy_node()
+    reports.look()
+    assert "/ev/plant: a wheel left the ground" in reports.notes
+    reports.close()

@@ -83,3 +83,16 @@ def test_a_recorder_that_is_ahead_of_the_present_is_not_believed():
             assert schedule.recorder_is_behind and not schedule.recorder_keeps_up
         schedule.note_recorded(0)
         assert schedule.recorder_keeps_up
+
+
+def test_a_plant_that_waits_for_its_pace_alone_is_not_woken_up_by_messages():
+    """Nobody takes those of the recorder then: one that lay there had a paced plant spin for most of each period."""
+    with ros_domain() as context:
+        plant = node_of(context, "plant", {"method": "kinematic", "real_time_factor": 0.001, "await_recorder": True})
+        inbox, period = plant.stepper.inbox, plant.stepper.period
+        for kind, stamp in ((WheelTorqueCommand, 0), (SteeringColumnState, 0), (SteeringColumnState, period)):
+            assert plant.awaits() is plant.readers[plant.wanted()[-1]].handle
+            inbox.offer(kind, stamp, [0.0] * len(frame.places(kind)))
+        plant.schedule.note_recorded(0)
+        assert plant.awaits() is None and 0.0 < plant.wake_up_within() <= 0.05
+        plant.destroy_node()

@@ -46,10 +46,10 @@ def test_what_a_node_tells_arrives_with_its_name_and_its_key(told):
     assert len(line.key) == 32
 
 
-def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_progress(told):
+def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_old_progress(told):
     """It may be stopped for a while; thousands of words do not fit into a socket, and one that never will is left out.
 
-    Of warnings the first ones are named, and all are counted.
+    Of warnings the first ones are named, and all are counted. The newest progress comes through.
     """
     line = RunnerLine()
     line.tell(Word(WARNING, "x" * 10_000_000))
@@ -61,6 +61,20 @@ def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_pro
         told.look()
         line.send_what_waits()
     assert told.warnings[:-1] == tuple(f"/ev/asr: {n}" for n in range(20))
+    told.look()
+    assert told.time == pytest.approx(4999e-9)
+    line.close()
+
+
+def test_progress_goes_on_when_a_runner_listens_again(told):
+    """A recorder has no other words: behind three seconds of Ctrl-Z its progress stood still until the end."""
+    line = RunnerLine()
+    for stamp in range(0, 3_000_000, 1000):
+        line.tell(Word(PROGRESS, values={"stamp": stamp}))
+    told.look()
+    line.tell(Word(PROGRESS, values={"stamp": 3_000_000}))
+    told.look()
+    assert told.time == 0.003
     line.close()
 
 

@@ -28,7 +28,7 @@ USED = [topic for name in NAMES for topic in TOPICS.values() if topic.name == na
 
 
 def recorder_in(folder: Path, **changed) -> RunRecorder:
-    p = RecorderParameters(str(folder), bag=False, control_period=PERIOD / 1e9, **changed)
+    p = RecorderParameters(str(folder), control_period=PERIOD / 1e9, **{"bag": False, **changed})
     return RunRecorder(p, USED, NAMES)
 
 
@@ -129,6 +129,20 @@ def test_answers_that_come_with_a_reset_are_kept_where_their_stamps_tell_them_fr
         recorder.add(index, [message(topic, 0, 2.0, run)], [0], fail)
     assert recorder.held == held
     recorder.close()
+
+
+def test_a_closed_recorder_keeps_nothing_more(tmp_path):
+    """In one process a plant in real time may end after it, and report something that a closed bag cannot take."""
+    recorder = recorder_in(tmp_path, bag=True, mode="realtime", duration=PERIOD / 1e9)
+    for step in range(2):
+        recorder.add(0, [message(USED[0], step, 1.0)], [step], fail)
+    assert recorder.is_complete
+    recorder.close()
+    kept = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    recorder.add(1, [message(USED[1], 1, 1.0)], [2], fail)
+    assert recorder.add_beside("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", PERIOD, b"", 2)
+    recorder.close()
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == kept
 
 
 def test_memory_does_not_grow_with_the_steps(tmp_path: Path):

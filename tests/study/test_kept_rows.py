@@ -190,6 +190,20 @@ def test_a_row_comes_back_to_the_bit_under_any_name(tmp_path):
     assert kept(tmp_path, study="compare").of(CASE) is None
 
 
+def test_a_row_in_which_a_byte_is_another_one_is_not_taken(tmp_path):
+    """Most of them could be read, with another number in them; of many lines of one case the last one counts."""
+    result = CaseResult("first", {"a": 1 / 3, "b": [1.5, 2.5], "c": ("x", None)}, "hash", 0.1, 0.2, "", ("note",))
+    kept(tmp_path).keep(CASE, result)
+    written, random = (tmp_path / "driven.jsonl").read_bytes().rstrip(), np.random.default_rng(1)
+    for _ in range(8):
+        lines = []
+        for place in random.integers(len(written), size=50).tolist():
+            lines.append(bytearray(written))
+            lines[-1][place] ^= int(random.integers(1, 256))
+        (tmp_path / "driven.jsonl").write_bytes(b"\n".join(lines))
+        assert kept(tmp_path).of(CASE) in (None, result)
+
+
 @pytest.mark.parametrize("anew", [False, True])
 def test_another_sweep_or_study_in_the_same_folder_keeps_the_rows_of_the_first(tmp_path, anew):
     """`--out DIR` twice with other options: the rows of the first, which may have taken days, were deleted."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,12 +15,13 @@ from pathlib import Path
 import pytest
 from schedulers import free_port, process, scheduler_with_two_workers, wait_for_listener
 
+from ev_core.parameters.data_file import files_in_config
 from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.recording.outcome import RunFailed
-from ev_sim.running.output_folder import OutputFolder
+from ev_sim.running.output_folder import OutputFolder, digest_of
 from ev_sim.study.run_study import arguments
 from ev_sim.study.study import Case, drive_case
-from ev_sim.study.workers import drive_cases, refuse_others
+from ev_sim.study.workers import drive_cases, refuse_other_files, refuse_others
 
 pytestmark = pytest.mark.slow
 
@@ -112,7 +114,7 @@ def test_a_disk_that_is_full_ends_the_study():
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from ev_sim.running.output_folder import OutputFolder
+from ev_sim.running.output_folder import OutputFolder, digest_of
 from ev_sim.study.study import Case
 from ev_sim.study.workers import drive_cases
 
@@ -179,6 +181,41 @@ def test_a_worker_with_other_packages_or_sources_is_refused(other):
 
     with pytest.raises(RunFailed, match=r"^worker tcp://a has (numpy 0\.1|other sources)"):
         refuse_others(OneWorker())
+
+
+def test_a_file_that_is_another_one_for_a_worker_is_refused(tmp_path, monkeypatch):
+    """Its numbers would be of another car; a worker on another machine has files of its own, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    there = Path("/elsewhere")
+    car = tmp_path / "car.yaml"
+    car.write_text("mass: 1600.0")
+    for path in ("car.yaml", str(car), str(there / "car.yaml")):
+        refuse_other_files("tcp://a", there, {path: digest_of(car)})
+        with pytest.raises(RunFailed, match=rf"^worker tcp://a has read another {path} than \S*car\.yaml here,"):
+            refuse_other_files("tcp://a", there, {path: "another"})
+    with pytest.raises(RunFailed, match=r"another /elsewhere/missing.yaml than /elsewhere/missing.yaml here"):
+        refuse_other_files("tcp://a", there, {str(there / "missing.yaml"): digest_of(car)})
+
+
+@pytest.mark.weekly
+def test_workers_with_another_map_of_the_same_name(tmp_path, monkeypatch):
+    """They work in another folder; the map stands beside the car that names it. With the same one they drive."""
+    here, there = tmp_path / "here", tmp_path / "there"
+    car = files_in_config("vehicles")["layout_1_8_c"]
+    text = car.read_text().replace("      motor:\n", "      motor:\n        map_file: map.csv\n")
+    for folder in (here, there):
+        folder.mkdir()
+        (folder / "car.yaml").write_text(text)
+        shutil.copy(car.parents[1] / "efficiency_maps" / "yasa_400.csv", folder / "map.csv")
+    monkeypatch.chdir(here)
+    cases = [Case("own car", "coast_down", duration=1.0, vehicle="car.yaml")]
+    with scheduler_with_two_workers(there) as (address, _):
+        (driven,) = drive_cases(cases, last_speed, scheduler=address)
+        assert not driven.refused
+        with (here / "map.csv").open("a") as file:
+            file.write("# another one\n")
+        with pytest.raises(RunFailed, match=r"^worker tcp://127\.0\.0\.1:\d+ has read another \S+map\.csv than"):
+            drive_cases(cases, last_speed, scheduler=address)
 
 
 def test_no_scheduler_at_that_address(monkeypatch):

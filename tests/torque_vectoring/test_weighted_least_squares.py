@@ -1,14 +1,12 @@
-"""The allocation by weighted least squares against a library, and what it does where motors or tyres end."""
+"""The allocation by weighted least squares against daqp, and what it does where motors or tyres end."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from scipy.optimize import lsq_linear
+from quadratic_programs import by_daqp
 
-from ev_control.torque_vectoring.weighted_least_squares import Demand, bounded_least_squares
+from ev_control.torque_vectoring.weighted_least_squares import LEAST_GRIP, Demand, bounded_least_squares
 from ev_msgs_py.contract.wheels import Wheels
 
 ARM = Wheels(-2.5, 2.5, -2.3, 2.3)
@@ -22,34 +20,53 @@ def demand(total: float, moment: float, grip, least, most, weight: float = 1e4, 
     return Demand(total, moment, slack, lever, Wheels(*grip), ARM, Wheels(*least), Wheels(*most))
 
 
-def by_library(d: Demand) -> np.ndarray:
-    rows = np.vstack(
-        [np.diag(1.0 / np.array(d.grip)), np.ones(4) / np.sqrt(d.total_slack), np.array(ARM) / np.sqrt(d.moment_slack)]
-    )
-    right = np.r_[np.zeros(4), d.total / np.sqrt(d.total_slack), d.moment / np.sqrt(d.moment_slack)]
-    return lsq_linear(rows, right, (np.array(d.least), np.array(d.most)), method="bvls", tol=1e-14).x
+def optimum(d: Demand) -> np.ndarray:
+    """By daqp, in shares of the grip, which leaves the weights alone to make the problem stiff."""
+    grip, arm = np.array(d.grip), np.array(d.arm) * np.array(d.grip)
+    hessian = np.eye(4) + np.outer(grip, grip) / d.total_slack + np.outer(arm, arm) / d.moment_slack
+    slope = -(d.total / d.total_slack * grip + d.moment / d.moment_slack * arm)
+    return grip * by_daqp(hessian, slope, np.array(d.least) / grip, np.array(d.most) / grip)
 
 
-four = st.tuples(*[st.floats(0.0, 1.0)] * 4)
+def test_torques_are_those_of_daqp():
+    """To 1e-3 N m, over all weights that are allowed; every fourth wheel has no range, every second none around zero.
+
+    The worst of these problems has a condition number of 9e9. There daqp is 3.5e-4 N m from the optimum in 60 digits,
+    and what we find 5e-13.
+    """
+    random = np.random.default_rng(1)
+    for _ in range(1000):
+        ends = np.sort(random.uniform(-1500.0, 1500.0, (2, 4)), axis=0)
+        least, most = np.where(random.random(4) < 0.25, ends[:1], ends)
+        weights = 10.0 ** random.uniform((0.0, -3.0), (8.0, 3.0))
+        asked = random.uniform((-6000.0, -9000.0), (6000.0, 9000.0))
+        d = demand(*asked, random.uniform(1.0, 2500.0, 4), least, most, *weights)
+        found = bounded_least_squares(d)
+        assert all(low <= u <= high for low, u, high in zip(least, found, most, strict=True))
+        assert found == pytest.approx(tuple(optimum(d)), abs=1e-3)
 
 
-@given(
-    total=st.floats(-6000.0, 6000.0),
-    moment=st.floats(-9000.0, 9000.0),
-    grip=st.tuples(*[st.floats(1.0, 2500.0)] * 4),
-    down=four,
-    up=four,
-    weight=st.floats(0.0, 6.0),
-    moment_weight=st.floats(-2.0, 2.0),
+ALIKE, SLIPPERY = [2000.0] * 4, [LEAST_GRIP, 2000.0, LEAST_GRIP, 2000.0]
+
+
+@pytest.mark.parametrize(
+    ("total", "moment", "grip", "most"),
+    [
+        pytest.param(0.0, 0.0, ALIKE, 300.0, id="nothing is asked for"),
+        pytest.param(800.0, 0.0, ALIKE, 300.0, id="no moment"),
+        pytest.param(1200.0, 0.0, ALIKE, 300.0, id="exactly what all wheels have"),
+        pytest.param(0.0, 2880.0, ALIKE, 300.0, id="exactly the moment that all wheels have"),
+        pytest.param(600.0, 1440.0, ALIKE, 300.0, id="exactly what one side has"),
+        pytest.param(1e6, -1e6, ALIKE, 300.0, id="a hundred times what there is"),
+        pytest.param(800.0, 1000.0, ALIKE, 0.0, id="no wheel has anything"),
+        pytest.param(800.0, 1000.0, SLIPPERY, 900.0, id="one side in the air"),
+    ],
 )
-def test_torques_are_those_of_a_library(total, moment, grip, down, up, weight, moment_weight):
-    """To 1e-3 N m: at the largest weight the problem's condition number is 1e6 and the library's bounds are inexact."""
-    least = [-1500.0 * share - 1e-6 for share in down]
-    most = [1500.0 * share + 1e-6 for share in up]
-    d = demand(total, moment, grip, least, most, 10.0**weight, 10.0**moment_weight)
-    found = bounded_least_squares(d)
-    assert all(low <= u <= high for low, u, high in zip(least, found, most, strict=True))
-    assert found == pytest.approx(tuple(by_library(d)), abs=1e-3)
+@pytest.mark.parametrize("moment_weight", [1e-3, 1.0, 1e3])
+def test_degenerate_demands_get_the_torques_of_daqp(total, moment, grip, most, moment_weight):
+    """Equal wheels, none or all of them at their bounds at once. To 1e-6 N m: the weight of the demands is 1e4."""
+    d = demand(total, moment, grip, [-most] * 4, [most] * 4, moment_weight=moment_weight)
+    assert bounded_least_squares(d) == pytest.approx(tuple(optimum(d)), abs=1e-6)
 
 
 def test_without_bounds_both_demands_are_met_with_the_least_use_of_grip():

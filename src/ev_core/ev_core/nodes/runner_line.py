@@ -11,7 +11,6 @@ import json
 import os
 import socket
 import time
-from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -29,6 +28,7 @@ PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME_SERVICE, TIMING, TALLY = WORD_KINDS
     "timing",  # how well real time was kept
     "tally",  # the sums of inputs and outputs
 )
+_NEWEST_COUNTS = (PROGRESS, WAITS)  # of these kinds a word that waits is replaced by the next one
 _PATIENCE, _A_MOMENT = 1.0, 0.002  # s, for the last words to find room
 _LONGEST = 100_000  # bytes of a word
 _NO_ROOM = (errno.EAGAIN, errno.ENOBUFS, errno.ENOMEM)  # at the moment, for a word that is none too long
@@ -65,27 +65,28 @@ class RunnerLine:
 
     def __init__(self) -> None:
         self._socket, self.key = _inherited()
-        self._waiting: deque[bytes] = deque()
+        self._waiting: dict[object, bytes] = {}
 
     def tell(self, word: Word) -> None:
         """Say a word, now or, where the runner does not listen at the moment, a little later; never wait for it."""
-        if self._socket is None or (word.kind in (PROGRESS, WAITS) and self._waiting):  # there will be a newer one
+        if self._socket is None:
             return
-        self._waiting.append(word.encoded())
+        self._waiting[word.kind if word.kind in _NEWEST_COUNTS else object()] = word.encoded()
         self.send_what_waits()
 
     def send_what_waits(self) -> None:
         """Try once more to send what found no room."""
         while self._waiting and self._socket is not None:
+            first = next(iter(self._waiting))
             try:
-                self._socket.send(self._waiting[0], socket.MSG_DONTWAIT | socket.MSG_NOSIGNAL)
+                self._socket.send(self._waiting[first], socket.MSG_DONTWAIT | socket.MSG_NOSIGNAL)
             except OSError as error:
                 if error.errno in _NO_ROOM:
                     return
                 if error.errno != errno.EMSGSIZE:  # the runner is gone
                     self._waiting.clear()
                     return
-            self._waiting.popleft()
+            del self._waiting[first]
 
     def close(self) -> None:
         """Say the last words, and hang up."""

@@ -134,12 +134,14 @@ class SteppedNode(Spinnable, Node):
             self._waiting.look(self.stepper.inbox.last, whom)
 
     def close(self) -> None:
-        """Report the sums of inputs and outputs to the runner, as far as they are added up."""
+        """Report what the part notes of its last steps, and the sums of inputs and outputs as far as they are added."""
         stepper = self.stepper
-        if stepper.tally is not None and stepper.answer is not None:
-            last = -stepper.period if stepper.inbox.last is None else stepper.inbox.last
-            newest = stepper.tally.newest(last // stepper.period, stepper.answer.stamp // stepper.period)
-            self.reports.runner.tell(Word(TALLY, values=newest))
+        if stepper.answer is not None:
+            self.reports.pass_on(stepper.part)
+            if stepper.tally is not None:
+                last = -stepper.period if stepper.inbox.last is None else stepper.inbox.last
+                newest = stepper.tally.newest(last // stepper.period, stepper.answer.stamp // stepper.period)
+                self.reports.runner.tell(Word(TALLY, values=newest))
         self.reports.runner.close()
 
     def wanted(self) -> tuple[type, ...]:
@@ -196,9 +198,13 @@ class SteppedNode(Spinnable, Node):
             while (message := reader.take()) is not None:
                 reader.receive(message)
 
-    def awaits(self) -> SubscriptionHandle:
-        """The subscription to wake up for: of the inputs that are missing, or of all, the one that arrives last."""
-        return self.readers[(self.wanted() or tuple(self.readers))[-1]].handle
+    def awaits(self) -> SubscriptionHandle | None:
+        """The subscription to wake up for: of the inputs that are missing the one that arrives last.
+
+        None if the next step lacks nothing but its time: a message that `poll` leaves untaken would end each rest.
+        """
+        wanted = self.wanted()
+        return self.readers[wanted[-1]].handle if wanted else None
 
     def wake_up_within(self) -> float:
         """Seconds after which the node wants to be polled though no message has come."""

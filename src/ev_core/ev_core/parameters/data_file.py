@@ -12,6 +12,7 @@ import stat
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from importlib import metadata
 from importlib.util import find_spec
@@ -73,7 +74,7 @@ def files_in_config(kind: str) -> Mapping[str, Path]:
 
 MEGABYTE = 2**20
 TEXT, TABLE, SIGNALS = 4 * MEGABYTE, 64 * MEGABYTE, 4096 * MEGABYTE  # the largest size of a file, by its kind
-_listening: list[dict[str, str]] = []  # what `files_read` has given to those who still ask
+_listening: ContextVar[tuple[dict[str, str], ...]] = ContextVar("listening", default=())  # those of `files_read`
 _KINDS = ((stat.S_ISDIR, "a folder"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"), (stat.S_ISREG, ""))
 
 
@@ -105,25 +106,25 @@ def refuse_outside(name: str, path: Path) -> None:
 
 @contextmanager
 def files_read() -> Iterator[dict[str, str]]:
-    """By path the SHA-256 of every file of data that is opened, or reported as needed, in the meantime."""
+    """By path the SHA-256 of every file of data that this thread opens, or reports as needed, in the meantime."""
     read: dict[str, str] = {}
-    _listening.append(read)
+    before = _listening.set((*_listening.get(), read))
     try:
         yield read
     finally:
-        _listening.pop()
+        _listening.reset(before)
 
 
 def tell(path: Path | str) -> None:
     """Say that a file is needed, which is not opened anew each time: it is a library, or was read before."""
-    if _listening:
+    if _listening.get():
         with Path(path).open("rb") as file:
             _tell(path, file)
 
 
 def _tell(path: Path | str, file: BufferedReader) -> None:
     digest = hashlib.file_digest(file, "sha256").hexdigest()
-    for each in _listening:
+    for each in _listening.get():
         each[os.fspath(path)] = digest
 
 
@@ -147,7 +148,7 @@ def open_data(path: Path | str, most: int, is_input: bool = True) -> IO[bytes]:
         os.close(opened)
         raise
     file = os.fdopen(opened, "rb")
-    if _listening and is_input:
+    if _listening.get() and is_input:
         _tell(path, file)
         file.seek(0)
     return file

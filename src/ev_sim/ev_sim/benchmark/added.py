@@ -1,7 +1,8 @@
-"""Laws that the command line puts beside those of a board: a file of code, or a law with a file of parameters."""
+"""Laws that the command line puts beside those of a board, and what of both is refused before anything is driven."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,11 +11,27 @@ from typing import Any
 from ev_core.check.method import ContractError, check_configuration
 from ev_core.lockstep.configuration import Configuration, refuse_unused
 from ev_core.lockstep.finding import find_method, is_code
+from ev_core.parameters.declaration import flatten
+from ev_core.parameters.values import check
+from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.benchmark.board import FURTHER, ROLE, Board, by_role
-from ev_sim.benchmark.driving import law_of, run_of, values_of
-from ev_sim.scenarios.about import NAMESPACE
+from ev_sim.batches.by_period import PERIOD
+from ev_sim.batches.variation import EVERY_ROLE
+from ev_sim.batches.variation import Variation as VariedRuns
+from ev_sim.benchmark.board import (
+    FRICTION,
+    FURTHER,
+    MOTOR_FAULT,
+    ROLE,
+    TOLD_FRICTION,
+    Board,
+    Variation,
+    by_role,
+)
+from ev_sim.benchmark.driving import BELIEF, law_of, run_of, value_in, values_of
+from ev_sim.scenarios.about import NAMESPACE, configured_file
 from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.scenario import Run
 
 STEPS = 100  # of each check of the contract, for each car of the board
 
@@ -84,3 +101,33 @@ def _hold_against_contract(name: str, car: str, configuration: Configuration) ->
         check_configuration(configuration, steps=STEPS)
     except ContractError as error:
         raise ParameterError(f"law {name} with {car}: {'; '.join(error.findings)}") from None
+
+
+def refuse_variations(board: Board, runs: Sequence[Run]) -> None:
+    """ParameterError, with the file of the board, for a variation whose name or bounds do not fit one of some runs."""
+    for each, run in itertools.product(board.variations, runs):
+        if each.parameter in (FRICTION, TOLD_FRICTION, MOTOR_FAULT):
+            continue
+        kind = next(kind for kind in ("factor", "value", "count", "choice") if getattr(each, kind))
+        try:
+            _refuse_variation(each, run.configurations)
+        except ParameterError as error:
+            file, what = configured_file("benchmark", board.name), f"variation of {each.parameter}"
+            raise ParameterError(f"{file}: {what} by {kind} {getattr(each, kind)}: {error}") from None
+
+
+def _refuse_variation(variation: Variation, driven: Mapping[str, Configuration]) -> None:
+    role, _, parameter = variation.parameter.partition(".")
+    if variation.parameter != PERIOD:
+        VariedRuns(driven, {variation.parameter: [None]}, {})  # the names alone
+    if role in (ROLE, *FURTHER) and parameter in flatten(driven[role].parameters):
+        if parameter in BELIEF:
+            raise ParameterError(f"it is what a law believes of the friction, allowed is {TOLD_FRICTION}")
+        if variation.factor:
+            raise ParameterError(
+                "it is a number of a law, of which each has its own, allowed is value, count or choice"
+            )
+    of_car = value_in(driven, variation.parameter) if variation.factor else 1.0
+    declared = {each.name: each for each in driven[MASTER if role == EVERY_ROLE else role].entries()}[parameter]
+    for end in variation.choice or variation.count or [of_car * float(each) for each in variation.bounds]:
+        check(declared, end)  # whether it fits the other values is known with all that is drawn

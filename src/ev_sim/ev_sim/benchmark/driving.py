@@ -30,8 +30,7 @@ from ev_sim.surfaces import SURFACES
 BELIEF = ("known.error_factor", "error_factor")  # how laws call the friction that they believe in over the true one
 TYRES = ("single_track", "known.observer", "observer")  # groups in which laws keep what they believe of the tyres
 SCALE_OF_ANGLES = f"{COLUMN}.{SCALE}"
-_SEEDS, _FAULTS = f"{EVERY_ROLE}.seed", "faults"
-_ANYTHING = 2**31
+_SEEDS, _FAULTS, _ANYTHING = f"{EVERY_ROLE}.seed", "faults", 2**31
 
 
 @dataclass(frozen=True)
@@ -259,7 +258,7 @@ def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
         elif variation.count:
             values[variation.parameter] = random.integers(int(low), int(high) + 1, size=board.draws).tolist()
         else:
-            of_car = _value_in(base, variation.parameter) if variation.factor else 1.0
+            of_car = value_in(base, variation.parameter) if variation.factor else 1.0
             values[variation.parameter] = [of_car * each for each in even]
     return Draws(values, told)
 
@@ -279,11 +278,12 @@ def _motor_faults(
     return [[text] if is_struck else [] for text, is_struck in zip(texts, struck, strict=True)]
 
 
-def _value_in(base: Mapping[str, Configuration], name: str) -> float:
+def value_in(base: Mapping[str, Configuration], name: str) -> float:
+    """What a variation by a factor is on; ParameterError if it is no number."""
     role, _, parameter = name.partition(".")
     known = base[MASTER if role == EVERY_ROLE else role].values() if role == EVERY_ROLE or role in base else {}
     if not isinstance(known.get(parameter), float):
-        raise ParameterError(f"variation of {name}: nothing of this name has a number that a factor could change")
+        raise ParameterError(f"{name} is refused: nothing of this name has a number that a factor could change")
     return float(known[parameter])
 
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
+import hashlib
+import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from ev_core.parameters.data_file import files_read
+from ev_core.parameters.data_file import SIGNALS, files_read, read_data
+from ev_sim.benchmark.added import refuse_variations
 from ev_sim.benchmark.board import Board, Cell
 from ev_sim.benchmark.driving import DrivenCell, law_of, run_of, values_of
 from ev_sim.recording.outcome import RunFailed
@@ -19,8 +20,9 @@ from ev_sim.running.output_folder import digest_of
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.kept_rows import digest_of_sources, run_key, short_digest
 
-FOLDER = "driven"
+FOLDER, BROKEN = "driven", "broken"
 Part = Mapping[str, np.ndarray]  # of a law in a cell
+_DIGEST = hashlib.sha256().digest_size
 _METRIC, _CLEAN, _HASHES, _COMMANDS = "metric ", "clean", "hashes", "commands"
 
 
@@ -39,6 +41,7 @@ class KeptCells(Sequence[DrivenCell]):
         self.runs: list[Run] = []
         self._sources = digest_of_sources(config=True)
         self._names = dict(self._named(board))
+        refuse_variations(board, self.runs)
 
     def _named(self, board: Board) -> Iterator[tuple[tuple[Cell, str], str]]:
         """The file of each law in each cell. What is not of both stays in the digest, so that nothing is forgotten."""
@@ -51,13 +54,11 @@ class KeptCells(Sequence[DrivenCell]):
                 of_runs[cell.car, cell.manoeuvre], base = self._key_of(
                     lambda cell=cell: run_of(board, cell, values_of(board, cell))
                 )
+                self.runs.append(_with_law(board, self._laws[0], base))
             for law in self._laws:
                 if (cell.car, law) not in of_laws:
-                    of_laws[cell.car, law], _ = self._key_of(
-                        lambda base=base, law=law: replace(
-                            base, configurations={**base.configurations, **law_of(board, law, base)}
-                        )
-                    )
+                    of_laws[cell.car, law], run = self._key_of(lambda base=base, law=law: _with_law(board, law, base))
+                    self.runs.append(run)
                 manoeuvres = {cell.manoeuvre: board.manoeuvres[cell.manoeuvre]}
                 declared = replace(others, laws={law: board.laws[law]}, manoeuvres=manoeuvres)
                 keys = of_runs[cell.car, cell.manoeuvre], of_laws[cell.car, law]
@@ -68,7 +69,6 @@ class KeptCells(Sequence[DrivenCell]):
         with files_read() as read:
             key, run = run_key(make)
         self._read |= read
-        self.runs.append(run)
         return key, run
 
     @property
@@ -85,13 +85,21 @@ class KeptCells(Sequence[DrivenCell]):
         """Whether a file, of these cells and laws or of others, is of our sources as they are."""
         return name.startswith(f"{FOLDER}/{self._sources}_")
 
+    def set_broken_aside(self) -> list[Path]:
+        """Move files of our sources that are not what was written to the folder BROKEN; where they were."""
+        found = []
+        for path in sorted((self._folder / FOLDER).glob("*.npz")) if self._folder is not None else ():
+            if self.is_worth_keeping(f"{FOLDER}/{path.name}") and not _is_whole(path):
+                (path.parents[1] / BROKEN).mkdir(exist_ok=True)
+                found.append(path)
+                path.replace(path.parents[1] / BROKEN / path.name)
+        return found
+
     def missing(self) -> dict[Cell, list[str]]:
-        """By cell the laws that have not driven it; a file that is no whole one counts as missing."""
+        """By cell the laws that have not driven it."""
         found: dict[Cell, list[str]] = {}
         for (cell, law), name in self._names.items():
-            try:
-                self._part(name)
-            except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile, zlib.error):
+            if not (name in self._memory if self._folder is None else (self._folder / name).exists()):
                 found.setdefault(cell, []).append(law)
         return found
 
@@ -113,13 +121,14 @@ class KeptCells(Sequence[DrivenCell]):
                 continue
             (self._folder / FOLDER).mkdir(exist_ok=True)
             with atomic_file(self._folder / name, replaces=True) as file:
-                np.savez_compressed(file, **part)
+                np.savez_compressed(written := io.BytesIO(), **part)
+                file.write(written.getvalue() + hashlib.sha256(written.getvalue()).digest())
 
     def _part(self, name: str) -> Part:
-        """What a file holds."""
+        """What a file holds; RunFailed if it is not what was written."""
         if self._folder is None:
             return self._memory[name]
-        with np.load(self._folder / name, allow_pickle=False) as file:
+        with np.load(io.BytesIO(_content(self._folder / name)), allow_pickle=False) as file:
             return dict(file)
 
     def __len__(self) -> int:
@@ -137,3 +146,24 @@ class KeptCells(Sequence[DrivenCell]):
                 [each.decode() for each in part[name].tolist()] for name in (_HASHES, _COMMANDS)
             )
         return driven
+
+
+def _content(path: Path) -> bytes:
+    """That of a file, of which the SHA-256 behind it is right; RunFailed if it is another one."""
+    found = read_data(path, SIGNALS, is_input=False)
+    content, digest = found[:-_DIGEST], found[-_DIGEST:]
+    if hashlib.sha256(content).digest() != digest:
+        raise RunFailed(f"{path} is broken: the same command drives it again")
+    return content
+
+
+def _is_whole(path: Path) -> bool:
+    try:
+        _content(path)
+    except (OSError, RunFailed):
+        return False
+    return True
+
+
+def _with_law(board: Board, law: str, base: Run) -> Run:
+    return replace(base, configurations={**base.configurations, **law_of(board, law, base)})

@@ -19,7 +19,7 @@ from ev_sim.benchmark.board import Board, Cell, read_board
 from ev_sim.benchmark.drawing import board_sheet
 from ev_sim.benchmark.driving import DrivenCell, drive_cell, drive_law, laws_in_cell
 from ev_sim.benchmark.held_out import held_out
-from ev_sim.benchmark.kept_cells import FOLDER, KeptCells
+from ev_sim.benchmark.kept_cells import BROKEN, FOLDER, KeptCells
 from ev_sim.benchmark.law_pages import law_page
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.run_files import RUNS, write_runs
@@ -30,7 +30,7 @@ from ev_sim.command_line.refusal import Parser
 from ev_sim.commands.drive_scenario import drive_scenario
 from ev_sim.figures.saving import save_figures
 from ev_sim.figures.sheets import drawn
-from ev_sim.recording.outcome import bar_of_runs
+from ev_sim.recording.outcome import announce, bar_of_runs
 from ev_sim.report.summary import versions, write_summary
 from ev_sim.report.tables import text_table
 from ev_sim.running.output_folder import OutputFolder
@@ -62,6 +62,9 @@ def run_benchmark(argv: Sequence[str]) -> None:
     out = given.out or Path("results/benchmark")
     kept = KeptCells(board, cells, laws, None if given.secret else out)
     names = [] if given.secret else kept.files
+    if broken := kept.set_broken_aside():
+        more = f" and {len(broken) - 1} more" if len(broken) > 1 else ""
+        announce(f"{broken[0]}{more}: broken, set aside in {out / BROKEN}, driven again where it is needed")
     with OutputFolder(out, "benchmark", [*FILES, *names], keeps=_kept(out, kept, given)) as folder:
         before = _drive(board, kept, given.scheduler, given.workers)
         result = BoardResult(board, laws, kept, _words(given), step_times(board, cells[0], laws))

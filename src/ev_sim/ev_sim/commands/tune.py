@@ -13,8 +13,8 @@ from pathlib import Path
 
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.added import check_laws, with_added
-from ev_sim.benchmark.board import COSTS, Board, Cell, by_role, read_board
-from ev_sim.benchmark.driving import DrivenCell, drive_cell, law_of, run_of, values_of
+from ev_sim.benchmark.board import COSTS, Board, by_role, read_board
+from ev_sim.benchmark.driving import law_of, run_of, values_of
 from ev_sim.benchmark.held_out import with_cases
 from ev_sim.benchmark.kept_cells import KeptCells
 from ev_sim.command_line.options import command_of
@@ -26,11 +26,10 @@ from ev_sim.running.output_folder import OutputFolder
 from ev_sim.study.kept_rows import short_digest
 from ev_sim.tuning.free import Free, free_parameters
 from ev_sim.tuning.search import Candidate, chosen, search
-from ev_sim.tuning.training import Training
+from ev_sim.tuning.training import Reference, Training
 
 ALL = "all"
 HISTORY, JOURNAL = "history.csv", "search.journal"
-References = dict[str, tuple[Board, list[DrivenCell]]]
 
 
 def run_tune(argv: Sequence[str]) -> None:
@@ -47,12 +46,13 @@ def run_tune(argv: Sequence[str]) -> None:
     names = [by_word.get(law, law) for law in laws]
     check_laws(board, names, added)
     free = {name: _free(board, name, given) for name in names}
-    driven = _references(board, given)
+    references = _references(board, given)
+    keys = {name: search_key(references, name, free[name], given) for name in names}
     journals = []
     for name in names:
         of = given.out or Path("results/tune")
         folder = of / name if len(laws) > 1 or not given.out else of
-        journals.append(_tune(board, name, folder, driven, free[name], given, command_of(["tune", *argv])))
+        journals.append(_tune(name, folder, references, free[name], keys[name], given, command_of(["tune", *argv])))
     for journal in journals:  # up to here a command that was stopped finds all of them
         journal.remove()
 
@@ -79,8 +79,8 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _references(board: Board, given: argparse.Namespace) -> References:
-    """The boards of training and validation by name, and the runs of the reference on each of their cells."""
+def _references(board: Board, given: argparse.Namespace) -> list[Reference]:
+    """Those of training and of validation."""
     training = with_cases(board, "training", given.seed)
     cells = [cell for cell in training.cells(given.cells) if not board.manoeuvres[cell.manoeuvre].searched]
     if not cells:
@@ -90,11 +90,7 @@ def _references(board: Board, given: argparse.Namespace) -> References:
     others = [cell for cell in validation.cells() if (cell.manoeuvre, cell.road) in kept]
     if not others:
         raise ParameterError("--cells leaves none to validate on: no validation car drives them")
-    sets: dict[str, tuple[Board, list[Cell]]] = {"training": (training, cells), "validation": (validation, others)}
-    return {
-        name: (of, [drive_cell(of, cell, [of.reference], given.threads) for cell in each])
-        for name, (of, each) in sets.items()
-    }
+    return [Reference(of, each, given.threads) for of, each in ((training, cells), (validation, others))]
 
 
 def _free(board: Board, law: str, given: argparse.Namespace) -> list[Free]:
@@ -106,19 +102,21 @@ def _free(board: Board, law: str, given: argparse.Namespace) -> list[Free]:
 
 
 def _tune(
-    board: Board,
     name: str,
     out: Path,
-    driven: References,
+    references: Sequence[Reference],
     free: Sequence[Free],
+    key: str,
     given: argparse.Namespace,
     command: str,
 ) -> Journal:
     result = f"{name}_tuned.yaml"
     with OutputFolder(out, "tune", (result, HISTORY, JOURNAL), keeps=[JOURNAL]) as folder:
-        sets = [(replace(of, laws=board.laws), runs) for of, runs in driven.values()]
-        training, validation = (Training(of, name, runs, given.cost, given.threads) for of, runs in sets)
-        journal = Journal(folder.directory / JOURNAL, search_key(sets, name, free, given))
+        journal = Journal(folder.directory / JOURNAL, key)
+        training, validation = (
+            Training(of.board, name, of.driven(journal.answer), given.cost, given.threads) for of in references
+        )
+        taken = journal.taken
         history, more = [], min(given.finalists + 1, given.budget) * validation.runs
         with bar_of_runs(f"tune {name}", given.budget * training.runs + more) as bar:
             for candidate in search(training, free, given.budget, given.seed, journal.answer):
@@ -136,18 +134,16 @@ def _tune(
             print(f"  {each.name:40} {each.start:.6g} -> {best.values[each.name]:.6g}")
         _write(folder.directory / result, free, best, lines)
         _write_history(folder.directory / HISTORY, history)
-    if journal.taken:
-        print(f"went on behind {journal.taken} generations of a search that was stopped")
+    if journal.taken > taken:
+        print(f"went on behind {journal.taken - taken} generations of a search that was stopped")
     print(f"{len(history)} candidates of {training.runs} runs; parameters: {folder.directory / result}")
     return journal
 
 
-def search_key(
-    sets: Sequence[tuple[Board, Sequence[DrivenCell]]], law: str, free: Sequence[Free], given: argparse.Namespace
-) -> str:
+def search_key(references: Sequence[Reference], law: str, free: Sequence[Free], given: argparse.Namespace) -> str:
     """A digest of all that the costs of a law depend on but the candidates: its runs, and those of the reference."""
-    runs = [KeptCells(of, [each.cell for each in cells], [of.reference, law]).files for of, cells in sets]
-    scales = [of.scales for of, _ in sets]
+    runs = [KeptCells(of.board, of.cells, [of.board.reference, law]).files for of in references]
+    scales = [of.board.scales for of in references]
     return short_digest((runs, scales, [*free], given.cost, given.seed))
 
 

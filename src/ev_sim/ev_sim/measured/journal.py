@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import io
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,6 +11,8 @@ import numpy as np
 
 from ev_sim.measured.replays.open_loop import OpenLoop
 from ev_sim.study.kept_rows import digest_of_sources
+
+_DIGEST, _LENGTH = hashlib.sha256().digest_size, 8  # bytes before each answer
 
 
 class Journal:
@@ -30,20 +33,27 @@ class Journal:
     def answer(self, points: np.ndarray, compute: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """That of the file, if it is the next one there, else the computed one."""
         place = self._file.tell()
-        try:
-            asked, found = (np.load(self._file, allow_pickle=False) for _ in range(2))
+        content = self._next()
+        if content:
+            asked, found = (np.load(content, allow_pickle=False) for _ in range(2))
             if np.array_equal(asked, points):
                 self.taken += 1
                 return found
-        except (EOFError, ValueError):  # the end, or a part of an array
-            pass
         self._file.seek(place)
         self._file.truncate()
-        found = compute(points)
+        found, content = compute(points), io.BytesIO()
         for each in (points, found):
-            np.save(self._file, each, allow_pickle=False)
+            np.save(content, each, allow_pickle=False)
+        written = content.getvalue()
+        self._file.write(hashlib.sha256(written).digest() + len(written).to_bytes(_LENGTH) + written)
         self._file.flush()
         return found
+
+    def _next(self) -> io.BytesIO | None:
+        """What stands next in the file, None if it is not whole, or another byte is in it."""
+        digest, length = self._file.read(_DIGEST), int.from_bytes(self._file.read(_LENGTH))
+        content = self._file.read(min(length, self._path.stat().st_size))
+        return io.BytesIO(content) if hashlib.sha256(content).digest() == digest else None
 
     def remove(self) -> None:
         """The search has come to its end."""

@@ -145,6 +145,8 @@ class RecorderNode(Spinnable, Node):
 
     def idle(self) -> None:
         """Tell how far the recording is, and end it when it is complete."""
+        if self.done:
+            return
         recorder = self._recorder
         recorder.took_all()
         held = recorder.held_stamp

@@ -63,6 +63,7 @@ class RunRecorder:
     is a recording already; a file without a name has the numbers there meanwhile. In real time a step that never comes
     holds the one before, and the run is as far as its master; in lockstep it is as far as its slowest topic, and a
     missing step is a loss. Nothing behind the end is kept: an integrating node is one step ahead of it.
+    Nor is what comes after `close`: other nodes of the process may end later.
 
     When the master begins the next run (reset), or is another one that counts from zero, the arrays begin anew, and so
     does the bag; the one before is kept beside it. What comes of another run than the present one is not kept.
@@ -116,6 +117,8 @@ class RunRecorder:
         In real time the bag has them under the wall times at which they came [ns], in lockstep under their stamps.
         `refuse` is given the reason of each that the topic table does not allow.
         """
+        if self._is_written:
+            return
         refused: set[int] = set()
 
         def note(place: int, error: MessageError) -> None:
@@ -190,7 +193,7 @@ class RunRecorder:
 
         It is for a run that has yet to begin. One of a run before is not kept.
         """
-        if self._bag is None or stamp % self._period < self._run:
+        if self._bag is None or self._is_written or stamp % self._period < self._run:
             return True
         if stamp % self._period > self._run:
             return False

@@ -242,7 +242,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
             for name, values in place.parameters.items():
                 with _line(reports, name, not run.realtime):
                     nodes.append(_node(name, run.namespace, values, observer.context))
-            recorder = nodes[-1]
+            ending = [node for node in nodes if node.get_name() in (MASTER, RECORDER)]
             next_look = 0.0
 
             def finished() -> bool:
@@ -251,12 +251,12 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
                     reports.look()
                     progress(reports.time)
                     next_look = time.monotonic() + _GLANCE_PERIOD
-                return recorder.done or place.stop.received
+                return all(node.done for node in ending) or place.stop.received
 
             start = time.monotonic()
             spin(nodes, finished)
             wall_time = time.monotonic() - start
-            if not recorder.done:
+            if not all(node.done for node in ending):
                 raise KeyboardInterrupt
             progress(run.duration)
         except OF_ROS as error:  # what ends a node that is a process of its own

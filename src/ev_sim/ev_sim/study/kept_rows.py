@@ -150,6 +150,7 @@ def _config() -> Iterable[tuple[str, Path]]:
 
 
 DRIVEN = "driven.jsonl"
+_DIGEST = "digest"  # of the rest of a line
 _ARRAY, _TUPLE = "array", "tuple"  # what JSON does not know, as objects with one of these keys
 
 
@@ -204,6 +205,7 @@ class KeptRows:
         if key != self._keys.get(case.name):
             raise RunFailed(f"{case.name}: what it depends on has changed while the study was driven: start it again")
         line = {"sources": self._sources, "case": key, "result": as_json(result)}
+        line |= {_DIGEST: short_digest(json.dumps(line))}
         if self._path.exists() and self._path.stat().st_nlink > 1:  # under its other name it is a copy of the user's
             with atomic_file(self._path, replaces=True) as copy:
                 copy.write(self._path.read_bytes())
@@ -214,11 +216,18 @@ class KeptRows:
     def _lines(self, text: str) -> Iterable[dict[str, Any]]:
         for each in text.splitlines():
             try:
-                line = json.loads(each, object_hook=decoded)
-            except (ValueError, TypeError, RecursionError):  # half a line, of a study that was killed while it wrote
+                line = json.loads(each)
+                is_whole = line.pop(_DIGEST) == short_digest(json.dumps(line))
+            except (
+                ValueError,
+                TypeError,
+                LookupError,
+                AttributeError,
+                RecursionError,
+            ):  # half a line, of a killed study
                 continue
-            if isinstance(line, dict) and line.get("sources") == self._sources:
-                yield line
+            if is_whole and line["sources"] == self._sources:
+                yield json.loads(each, object_hook=decoded)
 
 
 @dataclass(frozen=True, slots=True)

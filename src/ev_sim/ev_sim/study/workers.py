@@ -9,16 +9,20 @@ from __future__ import annotations
 import logging
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from multiprocessing.connection import wait
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ev_core.parameters.data_file import config_folders, files_read
 from ev_sim.recording.offline import load_compiled, run_offline
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.summary import versions
 from ev_sim.running.beforehand import compile_for
 from ev_sim.running.children import Worker, WorkerLost
+from ev_sim.running.output_folder import digest_of
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.kept_rows import digest_of_sources
 from ev_sim.study.study import Case, CaseResult, Measure, drive_case, run_of
@@ -47,7 +51,7 @@ def perform_jobs(
     `scheduler` is the address of a running scheduler (tcp://HOST:PORT); without it `workers` processes (as many as
     there are cores) live on this machine until the end. The job of a worker that is lost is performed again by another
     one. RunFailed if a job, by its `name`, loses all its workers, if there is no such scheduler, if it has no workers,
-    or if one computes with other versions or sources.
+    or if one computes with other versions, sources or files.
     """
     if scheduler is not None:
         _perform_on_cluster(perform, jobs, done, scheduler)
@@ -61,9 +65,10 @@ def _perform_on_cluster(perform: Perform, jobs: Sequence[Job], done: Done, sched
     with _client(scheduler) as client:
         refuse_others(client)
         # dask would perform the same job once only and take the rest from its cache; here each one is performed.
-        futures = client.map(perform, *zip(*jobs, strict=True), pure=False)
+        futures = client.map(partial(_performed, perform), *zip(*jobs, strict=True), pure=False)
         numbers = {future.key: number for number, future in enumerate(futures)}
-        for future, result in as_completed(futures, with_results=True):
+        for future, (result, *read) in as_completed(futures, with_results=True):
+            refuse_other_files(*read)
             done(numbers[future.key], result)
             future.release()  # its worker need not keep the result any more
 
@@ -95,6 +100,33 @@ def refuse_others(client: Client) -> None:
     for worker, digest in client.run(digest_of_sources, config=True).items():
         if digest != sources:
             raise RunFailed(f"worker {worker} has other sources or config files, allowed are those of here")
+
+
+def _performed(perform: Perform, *job: Any) -> tuple[Any, str, Path, dict[str, str]]:
+    """A result, the worker that it is of and its folder, and by path the SHA-256 of the files that were read for it.
+
+    Those below config folders are left out: all of them are compared before.
+    """
+    from distributed import get_worker
+
+    with files_read() as read:
+        result = perform(*job)
+    config = config_folders()
+    own = {path: digest for path, digest in read.items() if not any(map(Path(path).is_relative_to, config))}
+    return result, get_worker().address, Path.cwd(), own
+
+
+def refuse_other_files(worker: str, folder: Path, files: Mapping[str, str]) -> None:
+    """RunFailed if a file that a worker has read is another one here, by SHA-256, or is not here.
+
+    What lies below the working folder of the worker is looked for below the one here.
+    """
+    for path, digest in files.items():
+        here = Path(path)
+        if here.is_relative_to(folder) and here.relative_to(folder).is_file():
+            here = here.relative_to(folder)
+        if not (here.is_file() and digest_of(here) == digest):
+            raise RunFailed(f"worker {worker} has read another {path} than {here} here, allowed is the same file")
 
 
 def drive_cases(

@@ -5,16 +5,15 @@ Hansen (2016), The CMA evolution strategy: a tutorial, arXiv:1604.00772, in the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ev_sim.tuning.free import Free
-from ev_sim.tuning.training import Training
+from ev_sim.tuning.training import Answer, Training
 
 STEP = 0.15  # first standard deviation, of the way between the bounds
-Answer = Callable[[np.ndarray, Callable[[np.ndarray], np.ndarray]], np.ndarray]
 
 
 class Candidate(NamedTuple):

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.benchmark.board import Board, by_role
-from ev_sim.benchmark.driving import DrivenCell, LawInCell, laws_in_cell
-from ev_sim.benchmark.entry_speed import drive
+from ev_sim.batches.by_period import batch_by_period
+from ev_sim.benchmark.board import Board, Cell, by_role
+from ev_sim.benchmark.driving import DrivenCell, LawInCell, drive_cell, laws_in_cell
 from ev_sim.benchmark.scores import LARGEST, WORST, costs_of, interquartile_mean, tail_mean
+from ev_sim.measures.own_metrics import named_metrics
+
+Answer = Callable[[np.ndarray, Callable[[np.ndarray], np.ndarray]], np.ndarray]
 
 
 def robust_cost(costs: np.ndarray) -> np.ndarray:
@@ -19,6 +22,29 @@ def robust_cost(costs: np.ndarray) -> np.ndarray:
     Their interquartile mean and their worst tenth, which both rank laws; the tenth counts as the tenth that it is.
     """
     return interquartile_mean(costs) + WORST * tail_mean(costs)
+
+
+class Reference:
+    """The runs of the reference of a board in some cells, which are driven once for all laws that are tuned."""
+
+    def __init__(self, board: Board, cells: Sequence[Cell], threads: int | None) -> None:
+        self.board, self.cells, self._threads = board, cells, threads
+        self._metrics: dict[Cell, Mapping[str, np.ndarray]] = {}
+
+    def driven(self, answer: Answer) -> list[DrivenCell]:
+        """What was measured, by cell; `answer` is asked for it at the number of each cell: it may know it."""
+        return [self._driven(cell, number, answer) for number, cell in enumerate(self.cells)]
+
+    def _driven(self, cell: Cell, number: int, answer: Answer) -> DrivenCell:
+        law, names = self.board.reference, [*named_metrics(self.board.manoeuvres[cell.manoeuvre].measured)]
+
+        def measured(_: np.ndarray) -> np.ndarray:
+            if cell not in self._metrics:
+                self._metrics[cell] = drive_cell(self.board, cell, [law], self._threads).metrics[law]
+            return np.array([self._metrics[cell][name] for name in names])
+
+        self._metrics[cell] = dict(zip(names, answer(np.array([number]), measured), strict=True))
+        return DrivenCell(cell, {law: self._metrics[cell]}, {}, {}, {})
 
 
 class Training:
@@ -60,7 +86,9 @@ class Training:
         for role, values in by_role(candidates[0]).items():
             for name in values:
                 vary[f"{role}.{name}"] = [by_role(each)[role][name] for each in candidates for _ in range(board.draws)]
-        metrics = drive(board, manoeuvre, law.run, vary, self._threads)
+        metrics = batch_by_period(
+            law.run.configurations, manoeuvre.duration, vary, metrics=manoeuvre.measured, threads=self._threads
+        ).metrics
         reference = {name: np.tile(each, count) for name, each in of.metrics[board.reference].items()}
         both = {board.reference: reference, "": metrics}
         unstable = np.stack([~(each["peak_sideslip"] < board.unstable) for each in both.values()])
