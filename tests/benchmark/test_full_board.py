@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
@@ -90,6 +91,14 @@ def test_a_run_that_ended_early_is_driven_again_by_its_command(board: Board):
     assert alone[HASH].tolist() == [signal_hash(signals)]
 
 
+@pytest.mark.parametrize("path", sorted(files_in_config("benchmarks/tuned").values()), ids=lambda path: path.stem)
+def test_its_laws_have_the_tuned_numbers(board: Board, path: Path):
+    """To four digits."""
+    tuned = yaml.safe_load(path.read_text())["/**/electronic_differential"]["ros__parameters"]
+    law = board.laws[path.stem.removesuffix("_tuned")]
+    assert {name: law[name] for name in tuned} == pytest.approx(tuned, rel=5e-4)
+
+
 @pytest.mark.parametrize("count", [2, 4, 64])
 @pytest.mark.parametrize("start", [0, 1, 31, 63, 64])
 def test_the_last_place_is_found_from_any_start(count: int, start: int):
@@ -100,7 +109,7 @@ def test_the_last_place_is_found_from_any_start(count: int, start: int):
         asked.extend(zip(rows.tolist(), places.tolist(), strict=True))
         return places <= last[rows]
 
-    assert last_true(count, count, start, is_true).tolist() == last.tolist()
+    assert last_true(count, np.full(count, start), is_true).tolist() == last.tolist()
     assert len(asked) == len(set(asked))
     assert all(0 < place < count for _, place in asked)
 

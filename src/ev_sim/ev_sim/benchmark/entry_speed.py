@@ -25,7 +25,8 @@ CLEAN, HASH, END = "clean", "signal hash", "end of run"
 DRIVEN = "runs_driven"  # until the speed of a draw was found
 Driven = dict[str, np.ndarray]  # metrics, and by these names whether runs are clean, and when they ended [s], (runs,)
 _DRIVER = "driver"
-_FIRST_STEP = 4  # of 64 speeds: what draws change
+_FRICTION = "road.own_c1"
+_FIRST_STEP = 2  # of 64 speeds: what draws change beside that
 _LOOK, _LOOK_AT_LAP = 1.0, 5.0  # [s], between two looks at a run: at a lap one costs as much as 0.6 s of it
 
 
@@ -110,47 +111,58 @@ def at_highest_clean(
     """What has to vary for each draw to be driven at its highest clean speed, at the lowest one if none is; and that.
 
     Speeds are the bounds and 2^`halvings` - 1 between them, evenly. Each draw begins at what the run without draws
-    reaches. Where cleanness comes and goes with the speed this finds one of its ends. A manoeuvre that raises nothing
-    is just driven.
+    reaches, times the root of its factor on the friction, as speeds in bends go. Where cleanness comes and goes with
+    the speed this finds one of its ends. A manoeuvre that raises nothing is just driven.
     """
     if not manoeuvre.searched:
         return {}, drive(board, manoeuvre, run, vary, threads)
     lowest, highest = manoeuvre.searched
-    count = 2**manoeuvre.halvings
+    count, tries = 2**manoeuvre.halvings, np.zeros(board.draws)
     best: Driven = {}
-    tries = np.zeros(board.draws)
 
-    def drive_at(draws: np.ndarray, places: np.ndarray) -> np.ndarray:
+    def speed(places: np.ndarray) -> np.ndarray:
+        return lowest + (highest - lowest) * places / count
+
+    def is_clean_at(draws: np.ndarray, places: np.ndarray) -> np.ndarray:
         columns = {name: [column[draw] for draw in draws.tolist()] for name, column in vary.items()}
-        speeds = searched_at(manoeuvre, lowest + (highest - lowest) * places / count)
-        found = drive(board, manoeuvre, run, columns | speeds, threads)
+        found = drive(board, manoeuvre, run, columns | searched_at(manoeuvre, speed(places)), threads)
         is_clean: np.ndarray = found[CLEAN] == 1.0
         tries[draws] += 1.0
+        taken = is_clean | (places == 0)
         for name, of in found.items():
-            kept = best.setdefault(name, np.empty(board.draws, of.dtype))
-            kept[draws[is_clean | (places == 0)]] = of[is_clean | (places == 0)]
+            best.setdefault(name, np.empty(board.draws, of.dtype))[draws[taken]] = of[taken]
         return is_clean
 
-    def nominal(_: np.ndarray, places: np.ndarray) -> np.ndarray:
-        speeds = searched_at(manoeuvre, lowest + (highest - lowest) * places / count)
-        is_clean: np.ndarray = drive(board, manoeuvre, run, speeds, threads)[CLEAN] == 1.0
+    def is_nominal_clean_at(_: np.ndarray, places: np.ndarray) -> np.ndarray:
+        is_clean: np.ndarray = (
+            drive(board, manoeuvre, run, searched_at(manoeuvre, speed(places)), threads)[CLEAN] == 1.0
+        )
         return is_clean
 
-    start = int(last_true(count, 1, count // 2, nominal)[0])
-    places = last_true(count, board.draws, start, drive_at)
+    nominal = speed(last_true(count, np.array([count // 2]), is_nominal_clean_at))
+    start = (nominal * np.sqrt(_friction_factors(board, run, vary)) - lowest) / (highest - lowest) * count
+    places = last_true(count, np.rint(start).astype(int), is_clean_at)
     if (never := np.flatnonzero(places == 0)).size:
-        drive_at(never, places[never])
-    return searched_at(manoeuvre, lowest + (highest - lowest) * places / count), {**best, DRIVEN: tries}
+        is_clean_at(never, places[never])
+    return searched_at(manoeuvre, speed(places)), {**best, DRIVEN: tries}
 
 
-def last_true(count: int, rows: int, start: int, is_true: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+def _friction_factors(board: Board, run: Run, vary: Mapping[str, Sequence[Any]]) -> np.ndarray:
+    """What the friction of each draw is over that of the run without draws, (draws,)."""
+    columns = vary.get(f"{MASTER}.{_FRICTION}")
+    if columns is None:
+        return np.ones(board.draws)
+    return np.array([column[0] for column in columns]) / run.configurations[MASTER].values()[_FRICTION][0]
+
+
+def last_true(count: int, start: np.ndarray, is_true: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
     """For each of some rows the last of the places 0..count-1 at which something is true, (rows,); 0 if at none.
 
     `is_true` is asked for some rows at a place for each. True is expected up to a place and false behind it, near
     `start`: from there on in growing steps, and then by halves (Bentley & Yao 1976, Inf. Process. Lett. 5, 82-87).
     """
-    low, high = np.zeros(rows, int), np.full(rows, count)
-    at, step = np.full(rows, min(max(start, 1), count - 1)), _FIRST_STEP
+    low, high = np.zeros(len(start), int), np.full(len(start), count)
+    at, step = np.clip(start, 1, count - 1), _FIRST_STEP
     while (asked := np.flatnonzero(high - low > 1)).size:
         found = is_true(asked, at[asked])
         low[asked], high[asked] = np.where(found, at[asked], low[asked]), np.where(found, high[asked], at[asked])

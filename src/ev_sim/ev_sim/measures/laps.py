@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+from typing import Any
+
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
@@ -63,9 +66,7 @@ def leaves(run: Recording, vehicle: Vehicle, course: CourseParameters | None) ->
 def _beside(run: Recording, line: RacingLine) -> tuple[np.ndarray, np.ndarray]:
     """The nearest point of a line, (n,), and how far left of the line the car is there, (n,) [m]."""
     place = np.stack((channel(run, "pose.x"), channel(run, "pose.y")), axis=1)
-    from scipy.spatial import cKDTree  # slow to import, and most runs have no laps
-
-    at = cKDTree(line.points).query(place)[1]
+    at = _tree(line.points.tobytes()).query(place)[1]
     found = np.full(len(place), np.inf)
     for begin in (at, at - 1):
         start, length = line.points[begin], line.step[begin]
@@ -75,6 +76,14 @@ def _beside(run: Recording, line: RacingLine) -> tuple[np.ndarray, np.ndarray]:
         side = np.where(leg[:, 0] * to[:, 1] - leg[:, 1] * to[:, 0] < 0.0, -1.0, 1.0)
         found = np.where(distance < np.abs(found), side * distance, found)
     return at, found
+
+
+@lru_cache(8)
+def _tree(points: bytes) -> Any:
+    """The tree of the points of a line, in which the nearest one is looked up."""
+    from scipy.spatial import cKDTree  # slow to import, and most runs have no laps
+
+    return cKDTree(np.frombuffer(points).reshape(-1, 2))
 
 
 def _crossings(run: Recording, line: RacingLine) -> np.ndarray:
