@@ -18,6 +18,7 @@ from ev_sim.benchmark.board import CASES, Board, read_board
 from ev_sim.benchmark.driving import drawn, drive_cell, drive_law, laws_in_cell, run_of, values_of
 from ev_sim.benchmark.entry_speed import CLEAN, HASH, at_speeds, clean, last_true
 from ev_sim.benchmark.held_out import with_cases
+from ev_sim.benchmark.result import BoardResult
 from ev_sim.command_line.options import arguments, overrides
 from ev_sim.measures import motion
 from ev_sim.recording.offline import run_offline
@@ -46,7 +47,7 @@ def driven(board: Board, pattern: str) -> Recording:
 
 def test_every_cell_has_a_graph_and_draws(board: Board):
     cells = board.cells("*:handling:*")
-    assert len(cells) == 5 * 34 - 11
+    assert len(cells) == 5 * 36 - 11
     assert {cell.manoeuvre for cell in cells if cell.car == "racing_car:all"}.isdisjoint({"launch", "brake"})
     for cell in cells[::11]:  # names and values do not depend on the car and the road alone
         assert drawn(board, cell, run_of(board, cell, values_of(board, cell)).configurations).values
@@ -130,6 +131,21 @@ def test_a_lap_is_driven_with_its_highest_clean_scale(board: Board):
     found = drive_cell(few, cell, ["equal_torque"])
     assert found.clean["equal_torque"].all()
     assert 45.0 < found.metrics["equal_torque"]["lap_time"][0] < 59.0
+
+
+def test_what_is_recorded_counts_in_no_cost(board: Board):
+    """Understeer as designed takes more angle than that of the car with equal torques; its medians are written."""
+    one = replace(board, draws=1, variations=[])
+    (cell,) = one.cells(f"{CAR}:slow_ramp:dry:handling:*")
+    result = BoardResult(one, ["equal_torque", "pi"], [drive_cell(one, cell, ["equal_torque", "pi"])])
+    plain, designed = result.recorded["understeer_gradient"]
+    assert designed > 2.0 * plain > 0.0
+    assert result.as_json()["recorded"]["pi"]["understeer_gradient"] == designed
+    assert set(result.recorded) == {"understeer_gradient", "torque_activity", "high_friction_use"}
+    manoeuvre = one.manoeuvres["slow_ramp"]
+    unrecorded = replace(one, manoeuvres={"slow_ramp": replace(manoeuvre, recorded=[])})
+    again = BoardResult(unrecorded, result.laws, result.cells)
+    assert {cost: of.tolist() for cost, of in again.costs.items()} == {c: of.tolist() for c, of in result.costs.items()}
 
 
 def test_the_step_is_that_of_the_very_car(board: Board):
