@@ -89,10 +89,11 @@ def passed(run: Recording, vehicle: Vehicle, road: PathParameters | None, course
 
 
 def is_over(run: Recording, since: int, vehicle: Vehicle, road: PathParameters | None, course: Course) -> bool:
-    """Whether a car has left lanes or road, or is behind the last cone; up to a sample it is known that it has not."""
+    """Whether a car has left lanes or road, or is whole behind the last cone; it had not at the sample `since`."""
     if not course.begin:
         return bool(_left(run.part(since), vehicle, road, course))
-    return bool(channel(run, "pose.x")[-1] >= course.end[-1] or _left(run, vehicle, road, course))
+    behind = course.end[-1] + vehicle.centre_of_mass_to_rear_axle + course.overhang
+    return bool(channel(run, "pose.x")[-1] >= behind or _left(run, vehicle, road, course))
 
 
 def figures(runs: Runs, vehicle: Vehicle, course: Course) -> dict[str, Sheet]:
