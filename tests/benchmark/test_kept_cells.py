@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import json
 import subprocess
 import sys
@@ -15,7 +14,6 @@ import pytest
 from schedulers import scheduler_with_two_workers
 
 from ev_core.parameters.data_file import files_in_config
-from ev_sim.benchmark import run_files
 from ev_sim.benchmark.board import read_board
 from ev_sim.benchmark.driving import DrivenCell, drive_cell
 from ev_sim.benchmark.kept_cells import KeptCells
@@ -80,16 +78,6 @@ def test_what_was_driven_with_a_file_that_has_changed_since_is_not_kept(tmp_path
     with pytest.raises(RunFailed, match="has changed while the board was driven: start it again"):
         kept.keep(DrivenCell(cell, {"pi": {}}, {}, {}, {}))
     assert not (tmp_path / "driven").exists()
-
-
-def test_many_runs_stand_one_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    (cell,) = SMALL.cells(STEP)
-    result = BoardResult(SMALL, LAWS, [drive_cell(SMALL, cell, LAWS)])
-    run_files.write_runs(tmp_path, result)
-    monkeypatch.setattr(run_files, "MOST_IN_JSON", 1)
-    run_files.write_runs(tmp_path, result)
-    lines = gzip.decompress((tmp_path / "runs.jsonl.gz").read_bytes()).splitlines()
-    assert [*map(json.loads, lines)] == json.loads((tmp_path / "runs.json").read_text())["runs"] == [*result.runs()]
 
 
 WORDS = ["--cells", "layout_1_8_c:all:step_steer:*", "--laws", "pi", "--draws", "4", "--no-report"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ev_sim.benchmark.scores import LARGEST, costs_of, interquartile_mean, scores, tail_mean
+from ev_sim.benchmark.scores import LARGEST, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
 
 NONE_UNSTABLE = np.zeros((2, 3), bool)
 SCALES = {"peak_sideslip": 0.01}
@@ -50,7 +50,7 @@ def test_nothing_is_better_within_the_noise():
     """Two laws of one distribution share a rank, a third of which every draw is better by a tenth has the first."""
     random = np.random.default_rng(1)
     alike = 1.0 + 0.2 * random.standard_normal((2, 6, 20))
-    found = scores(np.concatenate([alike, alike[:1] - 0.1]), interquartile_mean, seed=1)
+    found = ranked(bootstrap(np.concatenate([alike, alike[:1] - 0.1]), interquartile_mean, seed=1))
     assert [each.rank for each in found] == [2, 2, 1]
     assert all(each.low < each.value < each.high for each in found)
 
@@ -59,9 +59,17 @@ def test_paired_draws_tell_apart_what_their_intervals_do_not():
     """Draws differ by far more than the laws: intervals overlap, differences do not."""
     random = np.random.default_rng(2)
     one = 1.0 + 0.5 * random.standard_normal((1, 4, 20))
-    better, worse = scores(np.concatenate([one, one + 0.02]), interquartile_mean, seed=1)
+    better, worse = ranked(bootstrap(np.concatenate([one, one + 0.02]), interquartile_mean, seed=1))
     assert worse.low < better.high
     assert (better.rank, worse.rank) == (1, 2)
+
+
+@pytest.mark.parametrize("statistic", [interquartile_mean, tail_mean])
+def test_a_law_has_the_same_boards_beside_any_others(statistic):
+    """To the bit: a division is ranked by the columns of its laws."""
+    costs = np.random.default_rng(5).lognormal(size=(5, 3, 37))
+    some = [3, 0]
+    assert bootstrap(costs[some], statistic, seed=1).tolist() == bootstrap(costs, statistic, seed=1)[:, some].tolist()
 
 
 def test_the_interval_holds_the_true_mean_about_as_often_as_it_says():
@@ -69,6 +77,6 @@ def test_the_interval_holds_the_true_mean_about_as_often_as_it_says():
     random = np.random.default_rng(3)
     hits = 0
     for costs in 1.0 + 0.3 * random.standard_normal((40, 1, 3, 20)):
-        (score,) = scores(costs, interquartile_mean, seed=4)
+        (score,) = ranked(bootstrap(costs, interquartile_mean, seed=4))
         hits += score.low <= 1.0 <= score.high
     assert hits >= 32

@@ -16,7 +16,7 @@ from ev_sim.benchmark.board import COSTS, Board, Cell
 from ev_sim.benchmark.distributions import COSTS_SHOWN, Estimate, improvement, performance_profiles
 from ev_sim.benchmark.driving import DrivenCell
 from ev_sim.benchmark.entry_speed import DRIVEN
-from ev_sim.benchmark.scores import Score, costs_of, interquartile_mean, scores, tail_mean
+from ev_sim.benchmark.scores import Score, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
 from ev_sim.command_line.options import command_of
 
 
@@ -81,9 +81,23 @@ class BoardResult:
         return {cost: interquartile_mean(of) for cost, of in self.costs.items()}
 
     @cached_property
+    def _bootstraps(self) -> dict[str, np.ndarray]:
+        """By what counts a score the `bootstrap` of all laws; those of some of them are its columns."""
+        handling, energy, seed = self.costs["handling"], self.costs["energy"], self.board.seed
+        return {
+            "handling": bootstrap(handling, interquartile_mean, seed),
+            "worst tenth": bootstrap(handling, tail_mean, seed),
+            "energy": bootstrap(energy, interquartile_mean, seed),
+        }
+
+    @cached_property
     def scores(self) -> dict[str, list[Score]]:
         """By what counts a score of each law: middle half and worst tenth of handling, middle half of energy."""
         return self.scores_among(range(len(self.laws)))
+
+    def scores_among(self, laws: Sequence[int]) -> dict[str, list[Score]]:
+        """The scores of some laws, ranked among themselves."""
+        return {of: ranked(each[:, list(laws)]) for of, each in self._bootstraps.items()}
 
     @cached_property
     def profiles(self) -> dict[str, Estimate]:
@@ -105,19 +119,10 @@ class BoardResult:
         """How many runs were driven, those among them that looked for an entry speed."""
         return self._counted.driven
 
-    @property
+    @cached_property
     def recorded(self) -> dict[str, np.ndarray]:
         """By name of what counts in no cost the median over all runs that have it, (laws,)."""
         return {name: np.nanmedian(np.concatenate(of, axis=1), axis=1) for name, of in self._counted.recorded.items()}
-
-    def scores_among(self, laws: Sequence[int]) -> dict[str, list[Score]]:
-        """The scores of some laws, ranked among themselves."""
-        costs, seed = {cost: of[list(laws)] for cost, of in self.costs.items()}, self.board.seed
-        return {
-            "handling": scores(costs["handling"], interquartile_mean, seed),
-            "worst tenth": scores(costs["handling"], tail_mean, seed),
-            "energy": scores(costs["energy"], interquartile_mean, seed),
-        }
 
     def once_more(self, cell: int, law: int, draw: int) -> str:
         """The line that drives a run alone."""

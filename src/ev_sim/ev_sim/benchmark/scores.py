@@ -66,26 +66,30 @@ def tail_mean(costs: np.ndarray) -> np.ndarray:
     return np.asarray(np.sort(costs, axis=-1)[..., -count:].mean(axis=-1))
 
 
-def scores(costs: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], seed: int) -> list[Score]:
-    """The score of each law by a statistic of its costs, (laws, cells, draws).
+def bootstrap(costs: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], seed: int) -> np.ndarray:
+    """A statistic of the costs of each law, (laws, cells, draws), and then of RESAMPLES boards: (1 + boards, laws).
 
-    Draws are drawn anew within each cell, and alike for all laws, for they have driven the same ones: a law is better
-    than another one if the interval of their difference says so.
+    Draws are drawn anew within each cell, and alike for all laws, for they have driven the same ones.
     """
     laws, cells, draws = costs.shape
-    resampled = np.array(
-        [
-            statistic(costs[:, np.arange(cells)[:, None], each].reshape(laws, -1))
-            for chosen in resampled_draws(cells, draws, seed)
-            for each in chosen
-        ]
-    )
+    found = [
+        statistic(costs[:, np.arange(cells)[:, None], each].reshape(laws, -1))
+        for chosen in resampled_draws(cells, draws, seed)
+        for each in chosen
+    ]
+    return np.array([statistic(costs.reshape(laws, -1)), *found])
+
+
+def ranked(found: np.ndarray) -> list[Score]:
+    """The scores of some laws of a `bootstrap`, (1 + boards, laws), ranked among themselves.
+
+    A law is better than another one if the interval of their difference says so.
+    """
+    values, resampled = found[0], found[1:]
     low, high = np.percentile(resampled, ENDS, axis=0)
     worse = np.percentile(resampled[:, :, None] - resampled[:, None, :], ENDS[0], axis=0) > 0.0
-    values = statistic(costs.reshape(laws, -1))
-    return [
-        Score(float(values[i]), float(low[i]), float(high[i]), 1 + int(np.count_nonzero(worse[i]))) for i in range(laws)
-    ]
+    ranks = 1 + np.count_nonzero(worse, axis=1)
+    return [Score(*of) for of in zip(*(each.tolist() for each in (values, low, high, ranks)), strict=True)]
 
 
 def difference(
