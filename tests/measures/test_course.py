@@ -8,7 +8,8 @@ import pytest
 import ev_sim
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.driver.path import PathParameters, distances_from, path_of
+from ev_sim.driver.off_path import distances_from
+from ev_sim.driver.path import PathParameters, path_of
 from ev_sim.measures.course import Course
 from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import report_for

@@ -6,7 +6,8 @@ import numpy as np
 
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
-from ev_sim.driver.path import PathParameters, distances_from, path_of
+from ev_sim.driver.off_path import distances_from
+from ev_sim.driver.path import PathParameters, path_of
 from ev_sim.figures.other_axes import plan_view
 from ev_sim.figures.panels import Curve, motion_panels, readable
 from ev_sim.figures.sheets import Sheet
