@@ -11,12 +11,14 @@ import pytest
 import yaml
 
 from ev_core.parameters.data_file import files_in_config
+from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.by_period import batch_by_period
+from ev_sim.benchmark import entry_speed
 from ev_sim.benchmark.added import check_laws
 from ev_sim.benchmark.board import CASES, Board, read_board
 from ev_sim.benchmark.driving import drawn, drive_cell, drive_law, laws_in_cell, run_of, values_of
-from ev_sim.benchmark.entry_speed import CLEAN, HASH, at_speeds, clean, last_true
+from ev_sim.benchmark.entry_speed import CLEAN, END, HASH, at_speeds, clean, last_true
 from ev_sim.benchmark.held_out import with_cases
 from ev_sim.command_line.options import arguments, overrides
 from ev_sim.measures import motion
@@ -112,6 +114,30 @@ def test_the_last_place_is_found_from_any_start(count: int, start: int):
     assert last_true(count, np.full(count, start), is_true).tolist() == last.tolist()
     assert len(asked) == len(set(asked))
     assert all(0 < place < count for _, place in asked)
+
+
+def test_all_that_is_kept_of_a_search_is_of_the_run_at_the_speed_it_found(board: Board, monkeypatch):
+    """Metrics, hash and end; of a draw that is clean nowhere those of the lowest speed, also where that run failed."""
+    limits, fails = np.array([31.0, 25.3, 14.6, 11.0, 5.0]), np.array([99.0, 26.0, 14.7, 99.0, 0.0])
+    runs = np.zeros(5)
+
+    def drive(_board, _manoeuvre, _run, vary, _threads) -> dict[str, np.ndarray]:
+        speeds, draws = np.array(vary[f"{MASTER}.initial_speed"]), np.array(vary.get("draw", [0]))
+        runs[draws] += "draw" in vary  # the nominal car is no draw
+        number = np.where(speeds > fails[draws], np.nan, speeds)
+        hashes = np.array([str(speed) for speed in number.tolist()], object)
+        return {"entry_speed": number, CLEAN: number <= limits[draws], HASH: hashes, END: number}
+
+    monkeypatch.setattr(entry_speed, "drive", drive)
+    lanes = replace(board.manoeuvres["double_lane_change"], halvings=6)
+    at, found = entry_speed.at_highest_clean(replace(board, draws=5), lanes, None, {"draw": [*range(5)]}, None)
+    speeds = at[f"{MASTER}.initial_speed"]
+    assert speeds == [30.75, 25.125, 14.5, 12.0, 12.0]  # 12 m/s and multiples of 20/64 m/s
+    assert found[CLEAN].tolist() == [True, True, True, False, False]
+    assert found[HASH].tolist() == [*map(str, speeds[:4]), "nan"]
+    for name in ("entry_speed", END):
+        assert np.array_equal(found[name], [*speeds[:4], np.nan], equal_nan=True)
+    assert found[entry_speed.DRIVEN].tolist() == runs.tolist()
 
 
 def test_a_car_that_is_clean_at_no_speed_counts_as_unstable(board: Board):

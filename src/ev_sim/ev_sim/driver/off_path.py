@@ -1,4 +1,4 @@
-"""How far points are off a path: compiled, as bends have hundreds of legs, and loaded without numba (`compiled.loop`)."""
+"""How far points are off a path: compiled, as bends have hundreds of legs, and called without numba."""
 
 from __future__ import annotations
 

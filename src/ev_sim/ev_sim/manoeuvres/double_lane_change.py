@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ev_core.parameters.values import build
@@ -12,7 +14,7 @@ from ev_sim.figures.other_axes import plan_view
 from ev_sim.figures.panels import Curve, motion_panels, readable
 from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
-from ev_sim.measures.course import Course, cones, edges, hit_cones, lanes_driven, outside_lanes
+from ev_sim.measures.course import Course, Lane, cones, edges, hit_cones, lanes_driven, outside_lanes
 from ev_sim.measures.metric import HIGHER, LOWER, Metric, NotMeasured, Parameters, Runs, channel, metric
 from ev_sim.recording.recording import Recording
 
@@ -30,7 +32,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
         def hit() -> int:
             _end_of_course(run, vehicle, course)  # who leaves the course early spares its cones
             count = np.count_nonzero(hit_cones(run, vehicle, course))
-            if not count and (left := _left(run, vehicle, road, course)):
+            if not count and (left := _left(run, road, course, lanes_driven(run, vehicle, course))):
                 raise NotMeasured(left)  # no cone stands where the car was
             return count
 
@@ -82,7 +84,8 @@ def passed(run: Recording, vehicle: Vehicle, road: PathParameters | None, course
 
     NotMeasured if it does neither leave them nor reach the end.
     """
-    if _left(run, vehicle, road, course) or (course.begin and hit_cones(run, vehicle, course).any()):
+    lanes = lanes_driven(run, vehicle, course) if course.begin else ()
+    if _left(run, road, course, lanes) or (course.begin and hit_cones(run, vehicle, course).any()):
         return False
     if course.begin:
         _end_of_course(run, vehicle, course)
@@ -90,10 +93,14 @@ def passed(run: Recording, vehicle: Vehicle, road: PathParameters | None, course
 
 
 def is_over(run: Recording, since: int, vehicle: Vehicle, road: PathParameters | None, course: Course) -> bool:
-    """Whether a car has left lanes or road, or is behind the last cone; up to a sample it is known that it has not."""
+    """Whether a car has left lanes or road, or is behind the last cone; up to a sample it is known that it has not.
+
+    To which side its lanes go is known in the first lane aside: before, it has to have left those of both.
+    """
     if not course.begin:
-        return bool(_left(run.part(since), vehicle, road, course))
-    return bool(channel(run, "pose.x")[-1] >= course.end[-1] or _left(run, vehicle, road, course))
+        return bool(_left(run.part(since), road, course, ()))
+    is_behind = channel(run, "pose.x")[-1] >= course.end[-1]
+    return bool(is_behind or all(_left(run, road, course, course.lanes(vehicle, side)) for side in (1.0, -1.0)))
 
 
 def figures(runs: Runs, vehicle: Vehicle, course: Course) -> dict[str, Sheet]:
@@ -124,7 +131,7 @@ def _on_course(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
     return (x >= course.begin[0]) & (np.arange(len(x)) <= _end_of_course(run, vehicle, course))
 
 
-def _left(run: Recording, vehicle: Vehicle, road: PathParameters | None, course: Course) -> str:
+def _left(run: Recording, road: PathParameters | None, course: Course, lanes: Sequence[Lane]) -> str:
     """Where the car left the course up to its end, in a line: a lane, or the road of the driver's path; empty if not.
 
     That of the driver's path is as wide as `driver.path.width`.
@@ -132,7 +139,7 @@ def _left(run: Recording, vehicle: Vehicle, road: PathParameters | None, course:
     x, y = channel(run, "pose.x"), channel(run, "pose.y")
     behind = x > course.end[-1] if course.begin else np.zeros(len(x), bool)
     until = int(behind.argmax()) if behind.any() else len(x)
-    outside = {"its lane": outside_lanes(run, vehicle, course)} if course.begin else {}
+    outside = {"its lane": outside_lanes(run, lanes)}
     if road:
         outside["the road"] = distances_from(path_of(road), x, y) > road.width / 2
     first = sorted((int(where.argmax()), what) for what, where in outside.items() if where[:until].any())
