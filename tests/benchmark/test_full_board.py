@@ -20,6 +20,7 @@ from ev_sim.benchmark.board import CASES, Board, read_board
 from ev_sim.benchmark.driving import drawn, drive_cell, drive_law, laws_in_cell, run_of, values_of
 from ev_sim.benchmark.entry_speed import CLEAN, END, HASH, at_speeds, clean, last_true
 from ev_sim.benchmark.held_out import with_cases
+from ev_sim.benchmark.result import BoardResult
 from ev_sim.command_line.options import arguments, overrides
 from ev_sim.measures import motion
 from ev_sim.recording.offline import run_offline
@@ -48,7 +49,7 @@ def driven(board: Board, pattern: str) -> Recording:
 
 def test_every_cell_has_a_graph_and_draws(board: Board):
     cells = board.cells("*:handling:*")
-    assert len(cells) == 5 * 34 - 11
+    assert len(cells) == 5 * 36 - 11
     assert {cell.manoeuvre for cell in cells if cell.car == "racing_car:all"}.isdisjoint({"launch", "brake"})
     for cell in cells[::11]:  # names and values do not depend on the car and the road alone
         assert drawn(board, cell, run_of(board, cell, values_of(board, cell)).configurations).values
@@ -78,7 +79,7 @@ def test_the_entry_speed_is_clean_and_the_next_one_is_not(board: Board):
 
 
 def test_a_run_that_ended_early_is_driven_again_by_its_command(board: Board):
-    """To the bit, up to the whole second at which the car is behind the last cone."""
+    """To the bit, up to the whole second at which the car is behind the last cone, with its rear, too."""
     (cell,) = board.cells(f"{CAR}:double_lane_change:dry:handling:*")
     found = drive_cell(board, cell, ["pi"])
     given = arguments([*shlex.split(found.commands["pi"][1])[1:], "--offline"])
@@ -87,7 +88,8 @@ def test_a_run_that_ended_early_is_driven_again_by_its_command(board: Board):
     assert combined_hash({run.name: signal_hash(signals)}) == found.hashes["pi"][1]
     assert run.duration == signals.time[-1] < 14.0
     x = signals.channels["pose.x"]
-    assert x[-1] >= run.course.end[-1] > x[signals.time <= run.duration - 1.0][-1]
+    rear = run.configurations["plant"].common.vehicle.centre_of_mass_to_rear_axle + run.course.overhang
+    assert x[-1] - rear >= run.course.end[-1] > x[signals.time <= run.duration - 1.0][-1] - rear
     words, alone = drive_law(replace(board, draws=1), cell, laws_in_cell(board, cell, ["pi"])["pi"].only(1))
     assert shlex.join(words[0]) == found.commands["pi"][1]
     assert alone[HASH].tolist() == [signal_hash(signals)]
@@ -156,6 +158,21 @@ def test_a_lap_is_driven_with_its_highest_clean_scale(board: Board):
     found = drive_cell(few, cell, ["equal_torque"])
     assert found.clean["equal_torque"].all()
     assert 45.0 < found.metrics["equal_torque"]["lap_time"][0] < 59.0
+
+
+def test_what_is_recorded_counts_in_no_cost(board: Board):
+    """Understeer as designed takes more angle than that of the car with equal torques; its medians are written."""
+    one = replace(board, draws=1, variations=[])
+    (cell,) = one.cells(f"{CAR}:slow_ramp:dry:handling:*")
+    result = BoardResult(one, ["equal_torque", "pi"], [drive_cell(one, cell, ["equal_torque", "pi"])])
+    plain, designed = result.recorded["understeer_gradient"]
+    assert designed > 2.0 * plain > 0.0
+    assert result.as_json()["recorded"]["pi"]["understeer_gradient"] == designed
+    assert set(result.recorded) == {"understeer_gradient", "torque_activity", "high_friction_use"}
+    manoeuvre = one.manoeuvres["slow_ramp"]
+    unrecorded = replace(one, manoeuvres={"slow_ramp": replace(manoeuvre, recorded=[])})
+    again = BoardResult(unrecorded, result.laws, result.cells)
+    assert {cost: of.tolist() for cost, of in again.costs.items()} == {c: of.tolist() for c, of in result.costs.items()}
 
 
 def test_the_step_is_that_of_the_very_car(board: Board):

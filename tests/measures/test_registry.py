@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
 import ev_sim
+from ev_core.lockstep.configuration import configure
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measures.metric import HIGHER, LOWER
 from ev_sim.measures.registry import METRICS, DrivenRun, driven_run
+from ev_sim.measures.understeer import understeer_gradient
+from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import known_metrics
 from ev_sim.report.result import Result
-from ev_sim.scenarios.scenario import load_scenario, scenario_names
+from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
 
 OF_A_BUS = [name for name in METRICS if name.startswith("bus_")]
-OF_SOME = ["lap_time", "path_error", "peak_winding_temperature"]  # of laps, and of one plant: tests/driver/test_lap.py
+# Of laps (tests/driver/test_lap.py), of one plant, and of a ramp.
+OF_SOME = ["lap_time", "path_error", "peak_winding_temperature", "understeer_gradient"]
 OF_A_CAR = [name for name in METRICS if name not in (*OF_A_BUS, *OF_SOME)]
 
 
@@ -44,6 +49,25 @@ def test_a_metric_needs_the_channels_that_it_names_and_no_others(name):
         less = {key: values for key, values in channels.items() if not key.startswith(need)}
         assert each.lacking(less) == need
         assert each.measured(run._replace(signals=Recording(run.signals.time, less))).value is None
+
+
+def test_the_understeer_gradient_of_a_slow_ramp_is_that_of_the_linear_car():
+    """Either way; 5 %: on the ramp the car lags behind its steady state, and the closed form has no drive forces."""
+    scenario = load_scenario("steady_circle", Overrides(), ("linear",))
+    configurations = scenario.runs[0].configurations
+    for end in (1.0, -1.0):
+        profile = {"profile.time": [1.0, 5.0], "profile.angle": [0.0, end]}
+        turned = configure("steering_column", {"method": "steering_robot", **profile})
+        speed = {"speed_profile.time": [0.0], "speed_profile.speed": [20.0]}
+        run = {
+            **configurations,
+            "plant": configurations["plant"].changed({"initial_speed": 20.0}),
+            "driver": configurations["driver"].changed(speed),
+            "steering_column": replace(turned, common=configurations["plant"].common),
+        }
+        driven = driven_run(run_offline(run, 6.0), run)
+        of_car = understeer_gradient(driven.vehicle)
+        assert METRICS["understeer_gradient"].measured(driven).value == pytest.approx(of_car, rel=0.05)
 
 
 def test_a_bus_has_its_metrics():

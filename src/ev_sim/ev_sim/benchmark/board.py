@@ -12,7 +12,7 @@ import yaml
 
 from ev_core.parameters.data_file import TEXT, TextOfFile, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.benchmark.records import is_of, mapping, record
+from ev_sim.benchmark.records import is_of, mapping, record, refuse_unknown
 from ev_sim.measures import motion
 from ev_sim.measures.metric import HIGHER
 from ev_sim.measures.own_metrics import named_metrics
@@ -40,6 +40,7 @@ class Manoeuvre:
     `steering_on`: the road on which the steering angles are found on the very car, by the slow ramp of the scenario.
     `entry_speed`: bounds of the speed that is raised until the car is not clean any more [m/s], by `halvings`;
     `speed_scale`: those of the scale of the speed profile of a lap [1], likewise. `without`: cars that do not drive it.
+    `recorded` is measured beside them and counts in no cost; without it that of the board.
     """
 
     scenario: str
@@ -54,6 +55,7 @@ class Manoeuvre:
     speed_scale: list[float] = field(default_factory=list)
     halvings: int = 6
     without: list[str] = field(default_factory=list)
+    recorded: list[str] = field(default_factory=list)
 
     def metrics(self, *costs: str) -> list[str | NamedMetric]:
         """What some costs count: names of the registry, expressions whose lower values are better, the entry speed."""
@@ -68,7 +70,7 @@ class Manoeuvre:
     @property
     def measured(self) -> list[str | NamedMetric]:
         """All that is measured, each once."""
-        return list(dict.fromkeys((*self.metrics(*COSTS), "peak_sideslip")))
+        return list(dict.fromkeys((*self.metrics(*COSTS, "recorded"), "peak_sideslip")))
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,9 +190,11 @@ def read_board(name: str) -> Board:
         raise ParameterError(f"{path}: not readable as YAML: {' '.join(str(error).split())}") from None
     try:
         whole = marked("", dict(mapping("a board", content)), path)
-        for entry, of in (("manoeuvres", Manoeuvre), ("roads", Road)):
-            stated = mapping(entry, whole.get(entry))
-            whole[entry] = {n: record(of, f"{entry.removesuffix('s')} {n}", each) for n, each in stated.items()}
+        common = {"recorded": whole.pop("recorded", [])}
+        for entry, of, more in (("manoeuvres", Manoeuvre, common), ("roads", Road, {})):
+            what, stated = entry.removesuffix("s"), mapping(entry, whole.get(entry))
+            full = {name: {**more, **mapping(f"{what} {name}", each)} for name, each in stated.items()}
+            whole[entry] = {name: record(of, f"{what} {name}", each) for name, each in full.items()}
         whole["variations"] = _variations(whole)
         for entry in CASES:
             if entry in whole:
@@ -223,12 +227,12 @@ def _refuse(board: Board, path: Path) -> None:
         raise ParameterError(f"draws is {board.draws}, allowed is 1 to 100000")
     if board.seed < 0 or not 0.0 < board.unstable <= 1.57:  # beyond it a car slides backwards
         raise ParameterError(f"seed is {board.seed}, unstable {board.unstable}, allowed is 0 or more, above 0 to 1.57")
-    _known("reference", [board.reference], board.laws)
+    refuse_unknown("reference", [board.reference], board.laws)
     kept = {name: cases for name in CASES if (cases := getattr(board, name))}
     cars = [*board.cars, *(car for cases in kept.values() for car in cases.cars)]
     for car in cars:
         configured_file("vehicle", TextOfFile.of(car.partition(":")[0], path))
-    _known("layout", [car.partition(":")[2] for car in cars], board.layouts)
+    refuse_unknown("layout", [car.partition(":")[2] for car in cars], board.layouts)
     for name, cases in kept.items():
         for bounds in (cases.friction, cases.stiffness):
             if len(bounds) != 2 or not 0.0 < bounds[0] <= bounds[1] <= 2.0:
@@ -236,12 +240,13 @@ def _refuse(board: Board, path: Path) -> None:
     for name, road in board.roads.items():
         if not len(road.left) == len(road.right) == len(road.length) + 1:
             raise ParameterError(f"road {name} needs as many surfaces left as right, and a length for all but the last")
-        _known(f"surface of {name}", [*road.left, *road.right], SURFACES)
+        refuse_unknown(f"surface of {name}", [*road.left, *road.right], SURFACES)
     for name, manoeuvre in board.manoeuvres.items():
-        _known(f"road of {name}", [*manoeuvre.roads, *filter(None, [manoeuvre.steering_on])], board.roads)
-        _known(f"car of {name}", manoeuvre.without, cars)
+        refuse_unknown(f"road of {name}", [*manoeuvre.roads, *filter(None, [manoeuvre.steering_on])], board.roads)
+        refuse_unknown(f"car of {name}", manoeuvre.without, cars)
         _refuse_search(name, manoeuvre)
-        for metric in named_metrics(manoeuvre.measured):
+        counted = named_metrics(manoeuvre.metrics(*COSTS))
+        for metric in filter(counted.__contains__, named_metrics(manoeuvre.measured)):
             if metric in METRICS and not METRICS[metric].better:
                 raise ParameterError(f"metric {metric} of {name} is better neither low nor high")
             scale = board.scales.get(metric)
@@ -253,11 +258,11 @@ def _refuse(board: Board, path: Path) -> None:
         for role, stated in by_role(mapping(f"law {name}", values)).items():
             if "method" not in stated:
                 raise ParameterError(f"law {name} lacks {'' if role == ROLE else f'{role}.'}method")
-    _known("law of tuned", list(board.tuned), board.laws)
+    refuse_unknown("law of tuned", list(board.tuned), board.laws)
     for name, patterns in board.tuned.items():
         if not (isinstance(patterns, list) and all(is_of(each, "str") for each in patterns)):
             raise ParameterError(f"tuned has {name} with {quoted(str(patterns))}, allowed is a list of texts")
-    _known("law of closed", board.closed, board.laws)
+    refuse_unknown("law of closed", board.closed, board.laws)
     alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
     if len(alike) > 1:
         raise ParameterError(f"closed has laws that differ in one of {', '.join(_ALIKE)}, allowed are equal ones")
@@ -291,9 +296,3 @@ def _refuse_search(name: str, manoeuvre: Manoeuvre) -> None:
         raise ParameterError(f"{what} of {name} is {bounds}, allowed are two numbers that rise, and 1 to 30 halvings")
     if not manoeuvre.entry_speed and ENTRY_SPEED in manoeuvre.measured:
         raise ParameterError(f"entry_speed of {name} is measured, allowed with the bounds entry_speed: [LOW, HIGH]")
-
-
-def _known(what: str, names: Sequence[str], known: Any) -> None:
-    for name in names:
-        if name not in known:
-            raise unknown_name(what, name, known)

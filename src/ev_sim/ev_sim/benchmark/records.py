@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import MISSING, fields
 from typing import Any, TypeVar
 
@@ -24,6 +24,13 @@ def mapping(what: str, content: Any) -> Mapping[str, Any]:
     if not isinstance(content, Mapping):
         raise ParameterError(f"{what} is {_shown(content)}, allowed is a mapping")
     return content
+
+
+def refuse_unknown(what: str, names: Iterable[str], known: Collection[str]) -> None:
+    """ParameterError for the first of some names that is not among the known ones."""
+    for name in names:
+        if name not in known:
+            raise unknown_name(what, name, known)
 
 
 def record(of: type[T], what: str, content: Any) -> T:

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,19 @@ from ev_sim.benchmark.driving import DrivenCell
 from ev_sim.benchmark.entry_speed import DRIVEN
 from ev_sim.benchmark.scores import Score, costs_of, interquartile_mean, scores, tail_mean
 from ev_sim.command_line.options import command_of
+
+
+class _Counted(NamedTuple):
+    """Of each cell which runs are unstable and what they cost, (laws, draws), and what is recorded beside it.
+
+    The cells themselves, and how many runs were driven in all of them.
+    """
+
+    unstable: list[np.ndarray]
+    costs: dict[str, list[np.ndarray]]
+    places: list[Cell]
+    recorded: dict[str, list[np.ndarray]]
+    driven: int
 
 
 @dataclass(frozen=True)
@@ -34,33 +47,33 @@ class BoardResult:
     step_times: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
-    def _counted(self) -> tuple[np.ndarray, dict[str, np.ndarray], list[Cell], int]:
-        """Which runs are unstable, by cost what each costs, the cells, and how many runs were driven for all of them.
-
-        One cell after the other, to spare memory.
-        """
-        unstable, costs, places = list[np.ndarray](), {cost: list[np.ndarray]() for cost in COSTS}, list[Cell]()
-        driven = 0
+    def _counted(self) -> _Counted:
+        """What counts of all cells: one after the other, to spare memory."""
+        board, counted = self.board, _Counted([], {cost: [] for cost in COSTS}, [], {}, 0)
         for cell in self.cells:
-            manoeuvre, board = self.board.manoeuvres[cell.cell.manoeuvre], self.board
-            sideslip = np.array([cell.metrics[law]["peak_sideslip"] for law in self.laws])
-            unstable.append(~(sideslip < board.unstable) | ~np.array([cell.clean[law] for law in self.laws]))
-            for cost, of in costs.items():
+            manoeuvre, of_laws = board.manoeuvres[cell.cell.manoeuvre], [cell.metrics[law] for law in self.laws]
+            sideslip = np.array([of["peak_sideslip"] for of in of_laws])
+            unstable = ~(sideslip < board.unstable) | ~np.array([cell.clean[law] for law in self.laws])
+            counted.unstable.append(unstable)
+            for cost, of in counted.costs.items():
                 texts = manoeuvre.metrics(cost)
-                of.append(costs_of(cell.metrics, texts, board.scales, board.reference, unstable[-1]))
-            places.append(cell.cell)
-            driven += sum(int(of[DRIVEN].sum()) if DRIVEN in of else self.board.draws for of in cell.metrics.values())
-        return np.stack(unstable, axis=1), {cost: np.stack(of, axis=1) for cost, of in costs.items()}, places, driven
+                of.append(costs_of(cell.metrics, texts, board.scales, board.reference, unstable))
+            for name in manoeuvre.recorded:
+                counted.recorded.setdefault(name, []).append(np.array([of[name] for of in of_laws]))
+            counted.places.append(cell.cell)
+            driven = sum(int(of[DRIVEN].sum()) if DRIVEN in of else board.draws for of in of_laws)
+            counted = counted._replace(driven=counted.driven + driven)
+        return counted
 
-    @property
+    @cached_property
     def unstable(self) -> np.ndarray:
         """Which runs are, (laws, cells, draws): slid too far, with a number that is not finite, or not clean."""
-        return self._counted[0]
+        return np.stack(self._counted.unstable, axis=1)
 
-    @property
+    @cached_property
     def costs(self) -> dict[str, np.ndarray]:
         """By cost what each run costs, (laws, cells, draws)."""
-        return self._counted[1]
+        return {cost: np.stack(of, axis=1) for cost, of in self._counted.costs.items()}
 
     @cached_property
     def middles(self) -> dict[str, np.ndarray]:
@@ -85,12 +98,17 @@ class BoardResult:
     @property
     def places(self) -> list[Cell]:
         """The cells without what was driven, which may be on disk."""
-        return self._counted[2]
+        return self._counted.places
 
     @property
     def driven(self) -> int:
         """How many runs were driven, those among them that looked for an entry speed."""
-        return self._counted[3]
+        return self._counted.driven
+
+    @property
+    def recorded(self) -> dict[str, np.ndarray]:
+        """By name of what counts in no cost the median over all runs that have it, (laws,)."""
+        return {name: np.nanmedian(np.concatenate(of, axis=1), axis=1) for name, of in self._counted.recorded.items()}
 
     def scores_among(self, laws: Sequence[int]) -> dict[str, list[Score]]:
         """The scores of some laws, ranked among themselves."""
@@ -119,7 +137,7 @@ class BoardResult:
                         "draw": draw,
                         "unstable": bool(self.unstable[i, n, draw]),
                         **costs,
-                        **{name: value if math.isfinite(value) else None for name, value in numbers.items()},
+                        **{name: _number(value) for name, value in numbers.items()},
                         "signal_hash": cell.hashes[law][draw],
                         "command": command,
                         "once_more": self.once_more(n, i, draw),
@@ -149,6 +167,9 @@ class BoardResult:
                 | {"unstable": float(self.unstable[i].mean())}
                 for i, law in enumerate(self.laws)
             },
+            "recorded": {
+                law: {name: _number(of[i]) for name, of in self.recorded.items()} for i, law in enumerate(self.laws)
+            },
             "profiles": {"cost": COSTS_SHOWN.tolist()}
             | {law: {c: _lists(of, i) for c, of in self.profiles.items()} for i, law in enumerate(self.laws)},
             "probability_of_improvement": {
@@ -164,6 +185,10 @@ class BoardResult:
             "step_time_ns": {law: round(of) for law, of in self.step_times.items()},
             "hash": self.hash,
         }
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
 
 
 def _lists(of: Estimate, row: int) -> dict[str, list[float]]:

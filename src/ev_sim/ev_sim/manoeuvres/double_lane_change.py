@@ -93,13 +93,14 @@ def passed(run: Recording, vehicle: Vehicle, road: PathParameters | None, course
 
 
 def is_over(run: Recording, since: int, vehicle: Vehicle, road: PathParameters | None, course: Course) -> bool:
-    """Whether a car has left lanes or road, or is behind the last cone; up to a sample it is known that it has not.
+    """Whether a car has left lanes or road, or is whole behind the last cone; it had not at the sample `since`.
 
     To which side its lanes go is known in the first lane aside: before, it has to have left those of both.
     """
     if not course.begin:
         return bool(_left(run.part(since), road, course, ()))
-    is_behind = channel(run, "pose.x")[-1] >= course.end[-1]
+    behind = course.end[-1] + vehicle.centre_of_mass_to_rear_axle + course.overhang
+    is_behind = channel(run, "pose.x")[-1] >= behind
     return bool(is_behind or all(_left(run, road, course, course.lanes(vehicle, side)) for side in (1.0, -1.0)))
 
 

@@ -18,13 +18,13 @@ from ev_sim.figures.other_axes import plan_view
 from ev_sim.figures.panels import Curve, Panel, panel, readable
 from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
+from ev_sim.measures.handling import GRADIENT_RANGE
 from ev_sim.measures.metric import HIGHER, Metric, NotMeasured, Reference, Runs, channel, metric, within
 from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 from ev_sim.recording.recording import Recording
 
 CONSTANT_RADIUS = "constant_radius_"  # how the names of the runs on a circle begin
 LINEAR_RUNS = ("linear", "constant_radius_linear")
-RANGE = (0.5, 4.0)  # [m/s^2], lateral accelerations from which gradients are taken
 SETTLING = 1.0  # [s], after which the car follows a steering wheel that is held
 CLOSED_FORM_BAND = 0.05  # the closed form has neither drive forces across the car nor a car that accelerates
 STANDARD = "ISO 4138"
@@ -113,9 +113,9 @@ def steady(run: Recording) -> slice:
         held = run.time[motion.first(angle == angle[-1], "the fixed steering-wheel angle")]
         start = motion.first(run.time >= held + SETTLING - 1e-9, f"{SETTLING:g} s with a fixed steering wheel")
     else:
-        start = motion.first(acceleration >= RANGE[0], f"{RANGE[0]:g} m/s^2")
-    beyond = np.maximum.accumulate(acceleration > RANGE[1])
-    lost = np.flatnonzero(beyond & (acceleration < 0.9 * RANGE[1]))  # it slides off, slows down and grips anew
+        start = motion.first(acceleration >= GRADIENT_RANGE[0], f"{GRADIENT_RANGE[0]:g} m/s^2")
+    beyond = np.maximum.accumulate(acceleration > GRADIENT_RANGE[1])
+    lost = np.flatnonzero(beyond & (acceleration < 0.9 * GRADIENT_RANGE[1]))  # it slides off, slows down and grips anew
     part = slice(start, int(acceleration[: lost[0] if lost.size else None].argmax()) + 1)
     if not acceleration[part].size:
         raise NotMeasured("the lateral acceleration does not rise once the car follows the steering wheel")
@@ -154,14 +154,14 @@ def _excess_sideslip(run: Recording, vehicle: Vehicle) -> np.ndarray:
 
 
 def _gradient(run: Recording, values: np.ndarray) -> float:
-    """Slope over the lateral acceleration within RANGE, by least squares."""
+    """Slope over the lateral acceleration within GRADIENT_RANGE, by least squares."""
     part = steady(run)
     acceleration, values = _inward_acceleration(run)[part], values[part]
-    inside = (acceleration >= RANGE[0]) & (acceleration <= RANGE[1])
-    if acceleration.max() < RANGE[1]:
-        raise NotMeasured(f"the lateral acceleration stays below {RANGE[1]:g} m/s^2")
+    inside = (acceleration >= GRADIENT_RANGE[0]) & (acceleration <= GRADIENT_RANGE[1])
+    if acceleration.max() < GRADIENT_RANGE[1]:
+        raise NotMeasured(f"the lateral acceleration stays below {GRADIENT_RANGE[1]:g} m/s^2")
     if np.count_nonzero(inside) < 2:
-        raise NotMeasured(f"the lateral acceleration jumps over {RANGE[0]:g} to {RANGE[1]:g} m/s^2")
+        raise NotMeasured(f"the lateral acceleration jumps over {GRADIENT_RANGE[0]:g} to {GRADIENT_RANGE[1]:g} m/s^2")
     return float(np.polyfit(acceleration[inside], values[inside], 1)[0])
 
 

@@ -19,6 +19,8 @@ from ev_sim.recording.recording import Recording
 from ev_sim.surfaces import SURFACES, Surface, curve_on_road, tyre_on_road
 from ev_sim.tyres.curve import peak_slip
 
+GRADIENT_RANGE = (0.5, 4.0)  # [m/s^2], lateral accelerations over which gradients are taken
+
 
 class Direction(NamedTuple):
     """Cosine and sine of a wheel's angle against the car, (n,) [1]."""
@@ -86,6 +88,19 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
     if not len(error):
         raise NotMeasured("the car does not move")
     return float(np.sqrt(np.mean(error**2)))
+
+
+def measured_understeer_gradient(run: Recording, vehicle: Vehicle) -> float:
+    """Slope of delta - L a_y/V^2 over a_y, before it is first beyond GRADIENT_RANGE [rad s^2/m]; magnitudes."""
+    across = np.abs(motion.lateral_acceleration_on_path(run))
+    rolling = vehicle.wheelbase * across / np.maximum(motion.speed(run), motion.SLOWEST) ** 2
+    low, high = GRADIENT_RANGE
+    end = motion.first(across > high, f"a lateral acceleration of {high:g} m/s^2")
+    inside = np.flatnonzero(across[:end] >= low)
+    if len(inside) < 2:
+        raise NotMeasured(f"the lateral acceleration jumps over {low:g} to {high:g} m/s^2")
+    beyond = np.abs(channel(run, motion.ROAD_WHEEL_ANGLE)) - rolling
+    return float(np.polyfit(across[inside], beyond[inside], 1)[0])
 
 
 def peak_slip_ratio(run: Recording) -> float:

@@ -159,6 +159,11 @@ _OF_ANY_RUN = (
         lambda run: handling.yaw_rate_error(run.signals, run.vehicle), (_TWIST, _ANGLE, motion.YAW_RATE), LOWER,
     ),
     NamedMetric(
+        "understeer_gradient", "rad s^2/m", "slope of |delta| - L |a_y|/V^2 over |a_y| from 0.5 to 4 m/s^2",
+        lambda run: handling.measured_understeer_gradient(run.signals, run.vehicle),
+        (_TWIST, _ANGLE, *_ACCELERATION),
+    ),
+    NamedMetric(
         "peak_slip", "1", "max |slip ratio| of any wheel while the car moves",
         lambda run: handling.peak_slip_ratio(run.signals), (_TWIST, _SLIP_RATIO), LOWER,
     ),
