@@ -162,15 +162,18 @@ def test_a_lap_is_driven_with_its_highest_clean_scale(board: Board):
 
 def test_what_is_recorded_counts_in_no_cost(board: Board):
     """Understeer as designed takes more angle than that of the car with equal torques; its medians are written."""
-    one = replace(board, draws=1, variations=[])
+    ramp, more = board.manoeuvres["slow_ramp"], ["way [m] = last(pose.x)", "lap_time"]  # which a ramp does not have
+    ramp = replace(ramp, recorded=[*ramp.recorded, *more])
+    one = replace(board, draws=1, variations=[], manoeuvres={"slow_ramp": ramp})
     (cell,) = one.cells(f"{CAR}:slow_ramp:dry:handling:*")
     result = BoardResult(one, ["equal_torque", "pi"], [drive_cell(one, cell, ["equal_torque", "pi"])])
     plain, designed = result.recorded["understeer_gradient"]
     assert designed > 2.0 * plain > 0.0
     assert result.as_json()["recorded"]["pi"]["understeer_gradient"] == designed
-    assert set(result.recorded) == {"understeer_gradient", "torque_activity", "high_friction_use"}
-    manoeuvre = one.manoeuvres["slow_ramp"]
-    unrecorded = replace(one, manoeuvres={"slow_ramp": replace(manoeuvre, recorded=[])})
+    assert set(result.recorded) == {"understeer_gradient", "torque_activity", "high_friction_use", "way", "lap_time"}
+    assert result.recorded["way"][0] > 0.0
+    assert result.as_json()["recorded"]["pi"]["lap_time"] is None
+    unrecorded = replace(one, manoeuvres={"slow_ramp": replace(ramp, recorded=[])})
     again = BoardResult(unrecorded, result.laws, result.cells)
     assert {cost: of.tolist() for cost, of in again.costs.items()} == {c: of.tolist() for c, of in result.costs.items()}
 
