@@ -150,6 +150,16 @@ def test_a_car_that_is_clean_at_no_speed_counts_as_unstable(board: Board):
     assert drive_cell(hard, cell, ["equal_torque"]).clean["equal_torque"].tolist() == [False]
 
 
+def test_a_run_is_held_against_the_road_of_its_own_driver(board: Board):
+    """On the skidpad at 8.5 m/s, 0.5 m beside the middle: to the end of a road of 1.5 m, and not of one of 0.8 m."""
+    (cell,) = board.cells(f"{CAR}:skidpad:dry:handling:*")
+    runs, manoeuvre = laws_in_cell(board, cell, ["equal_torque"])["equal_torque"], board.manoeuvres["skidpad"]
+    vary = at_speeds(np.full(2, 8.5)) | {"driver.path.width": [0.8, 1.5]}
+    found = entry_speed.drive(board, manoeuvre, runs.run, vary, None)
+    assert found[CLEAN].tolist() == [0.0, 1.0]
+    assert found[END][0] < found[END][1] == manoeuvre.duration
+
+
 def test_a_lap_is_driven_with_its_highest_clean_scale(board: Board):
     """Of 0.7 and 0.825 the faster one: in less than 59 s; 0.7 takes 60 s."""
     quick = replace(board.manoeuvres["lap"], speed_scale=[0.7, 0.95], halvings=1, duration=65.0)

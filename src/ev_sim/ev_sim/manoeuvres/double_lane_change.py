@@ -26,7 +26,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
 
     Without a course in the scenario the values are those of the whole run.
     """
-    road = road_of(parameters)
+    road = _road_of(parameters)
 
     def of(run: Recording) -> dict[str, Metric]:
         def hit() -> int:
@@ -73,7 +73,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
     return motion.of_each_run(runs, of)
 
 
-def road_of(parameters: Parameters) -> PathParameters | None:
+def _road_of(parameters: Parameters) -> PathParameters | None:
     """The path of the driver, in the middle of the road; None if he has none."""
     path = {name: value for name, value in parameters.get("driver", {}).items() if name.startswith(_PATH)}
     return build(PathParameters, path, _PATH) if path else None
