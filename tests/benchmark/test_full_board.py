@@ -11,12 +11,14 @@ import pytest
 import yaml
 
 from ev_core.parameters.data_file import files_in_config
+from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.by_period import batch_by_period
+from ev_sim.benchmark import entry_speed
 from ev_sim.benchmark.added import check_laws
 from ev_sim.benchmark.board import CASES, Board, read_board
 from ev_sim.benchmark.driving import drawn, drive_cell, drive_law, laws_in_cell, run_of, values_of
-from ev_sim.benchmark.entry_speed import CLEAN, HASH, at_speeds, clean, last_true
+from ev_sim.benchmark.entry_speed import CLEAN, END, HASH, at_speeds, clean, last_true
 from ev_sim.benchmark.held_out import with_cases
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.command_line.options import arguments, overrides
@@ -116,12 +118,46 @@ def test_the_last_place_is_found_from_any_start(count: int, start: int):
     assert all(0 < place < count for _, place in asked)
 
 
+def test_all_that_is_kept_of_a_search_is_of_the_run_at_the_speed_it_found(board: Board, monkeypatch):
+    """Metrics, hash and end; of a draw that is clean nowhere those of the lowest speed, also where that run failed."""
+    limits, fails = np.array([31.0, 25.3, 14.6, 11.0, 5.0]), np.array([99.0, 26.0, 14.7, 99.0, 0.0])
+    runs = np.zeros(5)
+
+    def drive(_board, _manoeuvre, _run, vary, _threads) -> dict[str, np.ndarray]:
+        speeds, draws = np.array(vary[f"{MASTER}.initial_speed"]), np.array(vary.get("draw", [0]))
+        runs[draws] += "draw" in vary  # the nominal car is no draw
+        number = np.where(speeds > fails[draws], np.nan, speeds)
+        hashes = np.array([str(speed) for speed in number.tolist()], object)
+        return {"entry_speed": number, CLEAN: number <= limits[draws], HASH: hashes, END: number}
+
+    monkeypatch.setattr(entry_speed, "drive", drive)
+    lanes = replace(board.manoeuvres["double_lane_change"], halvings=6)
+    at, found = entry_speed.at_highest_clean(replace(board, draws=5), lanes, None, {"draw": [*range(5)]}, None)
+    speeds = at[f"{MASTER}.initial_speed"]
+    assert speeds == [30.75, 25.125, 14.5, 12.0, 12.0]  # 12 m/s and multiples of 20/64 m/s
+    assert found[CLEAN].tolist() == [True, True, True, False, False]
+    assert found[HASH].tolist() == [*map(str, speeds[:4]), "nan"]
+    for name in ("entry_speed", END):
+        assert np.array_equal(found[name], [*speeds[:4], np.nan], equal_nan=True)
+    assert found[entry_speed.DRIVEN].tolist() == runs.tolist()
+
+
 def test_a_car_that_is_clean_at_no_speed_counts_as_unstable(board: Board):
     """Too fast at the lowest speed: its run is driven all the same, and is not clean."""
     lanes = replace(board.manoeuvres["double_lane_change"], entry_speed=[42.0, 44.0], halvings=1)
     hard = replace(board, draws=1, manoeuvres={**board.manoeuvres, "double_lane_change": lanes})
     (cell,) = hard.cells(f"{CAR}:double_lane_change:wet:handling:*")
     assert drive_cell(hard, cell, ["equal_torque"]).clean["equal_torque"].tolist() == [False]
+
+
+def test_a_run_is_held_against_the_road_of_its_own_driver(board: Board):
+    """On the skidpad at 8.5 m/s, 0.5 m beside the middle: to the end of a road of 1.5 m, and not of one of 0.8 m."""
+    (cell,) = board.cells(f"{CAR}:skidpad:dry:handling:*")
+    runs, manoeuvre = laws_in_cell(board, cell, ["equal_torque"])["equal_torque"], board.manoeuvres["skidpad"]
+    vary = at_speeds(np.full(2, 8.5)) | {"driver.path.width": [0.8, 1.5]}
+    found = entry_speed.drive(board, manoeuvre, runs.run, vary, None)
+    assert found[CLEAN].tolist() == [0.0, 1.0]
+    assert found[END][0] < found[END][1] == manoeuvre.duration
 
 
 def test_a_lap_is_driven_with_its_highest_clean_scale(board: Board):
@@ -136,15 +172,18 @@ def test_a_lap_is_driven_with_its_highest_clean_scale(board: Board):
 
 def test_what_is_recorded_counts_in_no_cost(board: Board):
     """Understeer as designed takes more angle than that of the car with equal torques; its medians are written."""
-    one = replace(board, draws=1, variations=[])
+    ramp, more = board.manoeuvres["slow_ramp"], ["way [m] = last(pose.x)", "lap_time"]  # which a ramp does not have
+    ramp = replace(ramp, recorded=[*ramp.recorded, *more])
+    one = replace(board, draws=1, variations=[], manoeuvres={"slow_ramp": ramp})
     (cell,) = one.cells(f"{CAR}:slow_ramp:dry:handling:*")
     result = BoardResult(one, ["equal_torque", "pi"], [drive_cell(one, cell, ["equal_torque", "pi"])])
     plain, designed = result.recorded["understeer_gradient"]
     assert designed > 2.0 * plain > 0.0
     assert result.as_json()["recorded"]["pi"]["understeer_gradient"] == designed
-    assert set(result.recorded) == {"understeer_gradient", "torque_activity", "high_friction_use"}
-    manoeuvre = one.manoeuvres["slow_ramp"]
-    unrecorded = replace(one, manoeuvres={"slow_ramp": replace(manoeuvre, recorded=[])})
+    assert set(result.recorded) == {"understeer_gradient", "torque_activity", "high_friction_use", "way", "lap_time"}
+    assert result.recorded["way"][0] > 0.0
+    assert result.as_json()["recorded"]["pi"]["lap_time"] is None
+    unrecorded = replace(one, manoeuvres={"slow_ramp": replace(ramp, recorded=[])})
     again = BoardResult(unrecorded, result.laws, result.cells)
     assert {cost: of.tolist() for cost, of in again.costs.items()} == {c: of.tolist() for c, of in result.costs.items()}
 

@@ -59,10 +59,10 @@ def test_the_command_drives_them_and_says_so(tmp_path: Path, capsys: pytest.Capt
 
 
 def test_of_a_secret_board_nothing_but_scores_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    """No road, no cell, no run: the text of the board differs from small in the name of a road."""
+    """No road, no cell, no run, no metric: the board differs from small in the name of a road and what it records."""
     path, out = tmp_path / "secret.yaml", tmp_path / "out"
     text = files_in_config("benchmarks")["small"].read_text()
-    path.write_text(re.sub(r"\bwet\b", "puddle", text))
+    path.write_text("recorded: [distance]\n" + re.sub(r"\bwet\b", "puddle", text))
     cells = "layout_1_8_c:all:step_steer:puddle:*"
     words = ["--secret", str(path), "--draws", "1", "--laws", "pi", "--cells", cells, "--no-report", "--out", str(out)]
     run_benchmark(words)
@@ -71,6 +71,8 @@ def test_of_a_secret_board_nothing_but_scores_is_written(tmp_path: Path, capsys:
     content = json.loads((out / "board.json").read_text())
     assert len(content["board_sha256"]) == 64
     assert set(content["scores"]) == {"equal_torque", "pi"}
-    assert "puddle" not in json.dumps(content | {"command": ""}) + capsys.readouterr().out
+    shown = json.dumps(content | {"command": ""}) + capsys.readouterr().out
+    assert "puddle" not in shown
+    assert "distance" not in shown
     with pytest.raises(ParameterError, match="is a board, allowed is no other one beside it"):
         run_benchmark(["small", *words])

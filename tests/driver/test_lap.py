@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_sim.measures.laps import laps_begun, leaves, line_of
 from ev_sim.measures.registry import METRICS, DrivenRun, driven_run
 from ev_sim.recording.offline import run_offline, true_motion
 from ev_sim.recording.recording import Recording
@@ -92,9 +93,27 @@ def test_the_hottest_winding_counts(lap: DrivenRun):
 
 
 def test_a_car_that_cuts_across_leaves_the_course(lap: DrivenRun):
-    """Where it stands in for some seconds of the lap on another part of it, and on no road in between."""
+    """Where it stands for some seconds of the lap on another part of it, and on no road in between.
+
+    Also who looks at pieces of the run finds it, as each begins with the last sample of the one before.
+    """
     channels = dict(lap.signals.channels)
     for name in ("pose.x", "pose.y"):
         channels[name] = np.where(lap.signals.time > 40.0, channels[name][2500], channels[name])
     cut = lap._replace(signals=Recording(lap.signals.time, channels))
     assert METRICS["lap_time"].measured(cut).reason == "the car left the course at 40.01 s"
+    assert leaves(cut.signals.part(4000), cut.vehicle, cut.course) == 40.01
+
+
+@pytest.mark.parametrize("crossing", [0, 1], ids=["first", "last"])
+def test_a_car_that_goes_back_across_the_line_begins_no_lap_once_more(lap: DrivenRun, crossing: int):
+    """As if it reversed 5 samples behind the line: the lap lasts as long as before, or longer by the way to and fro."""
+    signals, line = lap.signals, line_of(lap.course, lap.vehicle).points[0]
+    far = np.hypot(signals.channels["pose.x"] - line[0], signals.channels["pose.y"] - line[1])
+    at = far[:1000].argmin() if crossing == 0 else 1000 + far[1000:].argmin()
+    order = np.concatenate((np.arange(at + 5), np.arange(at + 5, at - 5, -1), np.arange(at - 5, len(far))))
+    channels = {name: values[order] for name, values in signals.channels.items()}
+    back = lap._replace(signals=Recording(signals.time[1] * np.arange(len(order)), channels))
+    assert laps_begun(back.signals, back.vehicle, back.course) == 2
+    more = 0.2 if crossing == 0 else 0.0  # s, 20 samples
+    assert measured(back, "lap_time") == pytest.approx(measured(lap, "lap_time") + more, abs=1e-6)

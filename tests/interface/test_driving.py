@@ -61,6 +61,14 @@ def test_everything_that_a_program_calls_is_listed_before_it_is_imported():
         _ = ev_sim.runs
 
 
+def test_a_run_and_its_metrics_take_what_is_compiled_without_the_compiler():
+    """Whose import takes longer than the run: one metric alone had it imported again."""
+    lane_change = ev_sim.run("double_lane_change", duration=0.1)
+    assert lane_change.metrics["course_passed"].reason  # a Python of its own finds all of it compiled
+    code = "import sys, ev_sim; ev_sim.run('double_lane_change', duration=0.1).metrics; print('numba' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout == "False\n"
+
+
 @pytest.mark.parametrize("call", [ev_sim.run, ev_sim.batch, ev_sim.Simulation, Environment])
 def test_what_may_be_changed_can_be_completed(call):
     """The same words in every call, all by name, each with its type."""

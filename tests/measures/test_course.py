@@ -8,7 +8,9 @@ import pytest
 import ev_sim
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.driver.path import PathParameters, distances_from, path_of
+from ev_sim.driver.off_path import distances_from
+from ev_sim.driver.path import PathParameters, path_of
+from ev_sim.manoeuvres.double_lane_change import is_over, passed
 from ev_sim.measures.course import Course
 from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import report_for
@@ -35,6 +37,7 @@ def judged(run: Recording, course: Course = SLALOM) -> tuple:
     return found["course_passed"].value, found["cones_hit"].value, found["cones_hit"].verdict
 
 
+LOOKS = range(1, 451, 25)  # the samples before the end of a course of 35 m
 CLEAN = ((13.0, 0.0), (17.0, -3.0))
 MIRRORED = ((13.0, 0.0), (17.0, 3.0))
 
@@ -101,6 +104,21 @@ def test_a_scenario_without_a_course_gets_no_foreign_cones(tmp_path):
 def test_lanes_that_make_no_sense_are_refused(lanes, said):
     with pytest.raises(ParameterError, match=f"^{said}"):
         Course(**lanes)
+
+
+def test_who_is_over_before_the_end_has_not_passed_whatever_comes():
+    """Wavy ways, looked at each 2.5 m; some lanes aside reach across the middle, where a car may be on either side."""
+    random, judgements = np.random.default_rng(1), set()
+    for _ in range(200):
+        widths = tuple(random.uniform(2.0, 6.0, 2).tolist())
+        course = Course("", (0.0, 15.0), (10.0, 35.0), (0.0, random.uniform(-2.0, 2.0)), width_margin=widths, cones=2)
+        run = driven((10.0, 0.0), *zip((16.0, 20.0, 25.0), random.uniform(-2.0, 2.0, 3), strict=True))
+        parts = (Recording(run.time[:n], {of: values[:n] for of, values in run.channels.items()}) for n in LOOKS)
+        over = next((part for part in parts if is_over(part, 0, Vehicle(), None, course)), run)
+        has_passed = passed(run, Vehicle(), None, course)
+        assert passed(over, Vehicle(), None, course) == has_passed
+        judgements.add((over is run, has_passed))
+    assert judgements == {(False, False), (True, False), (True, True)}
 
 
 def test_distances_from_a_path():

@@ -225,8 +225,8 @@ def _refuse(board: Board, path: Path) -> None:
     """ParameterError for names that nothing declares, and for bounds that are none."""
     if not 1 <= board.draws <= 100_000:
         raise ParameterError(f"draws is {board.draws}, allowed is 1 to 100000")
-    if board.seed < 0 or board.unstable <= 0.0:
-        raise ParameterError(f"seed is {board.seed}, unstable {board.unstable}, allowed is 0 or more, and above 0")
+    if board.seed < 0 or not 0.0 < board.unstable <= 1.57:  # beyond it a car slides backwards
+        raise ParameterError(f"seed is {board.seed}, unstable {board.unstable}, allowed is 0 or more, above 0 to 1.57")
     refuse_unknown("reference", [board.reference], board.laws)
     kept = {name: cases for name in CASES if (cases := getattr(board, name))}
     cars = [*board.cars, *(car for cases in kept.values() for car in cases.cars)]

@@ -14,7 +14,8 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_sim.batches.by_period import batch_by_period
 from ev_sim.batches.whole_runs import Ending
 from ev_sim.benchmark.board import Board, Manoeuvre
-from ev_sim.manoeuvres.double_lane_change import is_over, passed, road_of
+from ev_sim.driver.path import PathParameters
+from ev_sim.manoeuvres.double_lane_change import is_over, passed
 from ev_sim.measures.handling import peak_sideslip
 from ev_sim.measures.laps import lap_times, laps_begun, leaves
 from ev_sim.measures.metric import NotMeasured
@@ -32,14 +33,13 @@ _LOOK, _LOOK_AT_LAP = 1.0, 5.0  # [s], between two looks at a run: at a lap one 
 
 def clean(board: Board, run: Run) -> NamedMetric:
     """Whether a run is: the car is stable, in its lanes or on its road to the end, and touches no cone."""
-    road = road_of({_DRIVER: run.configurations[_DRIVER].values()})
 
     def of(driven: DrivenRun) -> float:
         try:
             if driven.course is not None:
                 in_lanes = len(lap_times(driven.signals, driven.vehicle, driven.course)) >= driven.course.laps
             else:
-                in_lanes = passed(driven.signals, driven.vehicle, road, run.course)
+                in_lanes = passed(driven.signals, driven.vehicle, _road(driven), run.course)
         except NotMeasured:  # it has not come to the end
             return 0.0
         return float(in_lanes and peak_sideslip(driven.signals) < board.unstable)
@@ -49,9 +49,13 @@ def clean(board: Board, run: Run) -> NamedMetric:
     )
 
 
+def _road(driven: DrivenRun) -> PathParameters | None:
+    """The path of the driver of this very run, in the middle of the road; None if he has none."""
+    return getattr(driven.driver, "path", None)
+
+
 def _ending(board: Board, manoeuvre: Manoeuvre, run: Run) -> Ending:
     """Runs end when they are not clean any more, or at the end of lanes and laps: nothing behind it counts."""
-    road = road_of({_DRIVER: run.configurations[_DRIVER].values()})
 
     def known(driven: DrivenRun, since: int) -> bool:
         signals, vehicle, course = driven.signals, driven.vehicle, driven.course
@@ -59,7 +63,7 @@ def _ending(board: Board, manoeuvre: Manoeuvre, run: Run) -> Ending:
         if peak_sideslip(new) >= board.unstable:
             return True
         if course is None:
-            return is_over(signals, since, vehicle, road, run.course)
+            return is_over(signals, since, vehicle, _road(driven), run.course)
         return leaves(new, vehicle, course) is not None or laps_begun(signals, vehicle, course) > course.laps
 
     return Ending(known, _LOOK_AT_LAP if manoeuvre.speed_scale else _LOOK)

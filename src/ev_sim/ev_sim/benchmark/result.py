@@ -18,6 +18,7 @@ from ev_sim.benchmark.driving import DrivenCell
 from ev_sim.benchmark.entry_speed import DRIVEN
 from ev_sim.benchmark.scores import Score, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
 from ev_sim.command_line.options import command_of
+from ev_sim.measures.own_metrics import named_metrics
 
 
 class _Counted(NamedTuple):
@@ -58,7 +59,7 @@ class BoardResult:
             for cost, of in counted.costs.items():
                 texts = manoeuvre.metrics(cost)
                 of.append(costs_of(cell.metrics, texts, board.scales, board.reference, unstable))
-            for name in manoeuvre.recorded:
+            for name in named_metrics(manoeuvre.metrics("recorded")):
                 counted.recorded.setdefault(name, []).append(np.array([of[name] for of in of_laws]))
             counted.places.append(cell.cell)
             driven = sum(int(of[DRIVEN].sum()) if DRIVEN in of else board.draws for of in of_laws)
@@ -121,8 +122,9 @@ class BoardResult:
 
     @cached_property
     def recorded(self) -> dict[str, np.ndarray]:
-        """By name of what counts in no cost the median over all runs that have it, (laws,)."""
-        return {name: np.nanmedian(np.concatenate(of, axis=1), axis=1) for name, of in self._counted.recorded.items()}
+        """By name of what counts in no cost the median over all runs that have it, (laws,); NaN if none has."""
+        runs = {name: np.concatenate(of, axis=1) for name, of in self._counted.recorded.items()}
+        return {name: np.array([_median(values[~np.isnan(values)]) for values in of]) for name, of in runs.items()}
 
     def once_more(self, cell: int, law: int, draw: int) -> str:
         """The line that drives a run alone."""
@@ -194,6 +196,10 @@ class BoardResult:
 
 def _number(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
+
+
+def _median(values: np.ndarray) -> float:
+    return float(np.median(values)) if values.size else math.nan
 
 
 def _lists(of: Estimate, row: int) -> dict[str, list[float]]:

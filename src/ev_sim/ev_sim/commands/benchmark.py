@@ -211,7 +211,7 @@ def _write(folder: Path, result: BoardResult, command: str, given: argparse.Name
     about = {"held_out": given.held_out, "versions": versions(), "command": command}
     if given.secret:
         digest = hashlib.sha256(read_data(Path(given.secret), TEXT)).hexdigest()
-        kept = {name: of for name, of in result.as_json().items() if name != "cells"}
+        kept = {name: of for name, of in result.as_json().items() if name not in ("cells", "recorded")}
         write_summary(folder / "board.json", kept | {"board_sha256": digest} | about)
         return
     write_summary(folder / "board.json", result.as_json() | about)

@@ -13,7 +13,7 @@ from ev_msgs_py.contract.frame import PLACES, places
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.command_line.refusal import Parser, refuse
-from ev_sim.running.beforehand import Unit, compile_units, stepping, unit_of, unit_of_code, unit_of_method
+from ev_sim.running.beforehand import Unit, compile_units, of_reports, stepping, unit_of, unit_of_code, unit_of_method
 from ev_sim.scenarios.scenario import load_scenario
 
 _PERIOD = 0.005  # [s], that all methods allow; compiled code is the same for all periods
@@ -43,7 +43,8 @@ def _named(name: str) -> list[Unit]:
             raise unknown_name("node", role, ROLES)
         units = [_by_default(find_method(role, method))]
     else:
-        units = [unit_of(each) for run in load_scenario(name).runs for each in run.configurations.values()]
+        played = [each for run in load_scenario(name).runs for each in run.configurations.values()]
+        units = [*map(unit_of, played), *of_reports(played)]
     return [*filter(None, units), *stepping(in_nodes=True), *stepping(in_nodes=False)]
 
 
@@ -87,8 +88,9 @@ def _cost(group: list[Method]) -> tuple[bool, int, int]:
 
 
 def _behind_parts() -> list[Unit]:
-    """Sensors, faults and observers."""
+    """Sensors, faults, observers, and what reports need."""
     from ev_core.compiled.part import ROW_CODE  # numba is slow to import
     from ev_sim.batches.observer import OBSERVER
+    from ev_sim.driver.off_path import DISTANCES
 
-    return list(map(unit_of_code, (*ROW_CODE.values(), OBSERVER)))
+    return list(map(unit_of_code, (*ROW_CODE.values(), OBSERVER, DISTANCES)))

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
-import numpy as np
-
-from ev_core.compiled.loop import compiled
 from ev_core.law import GRAVITY, BodyPose, atan2, compilable, cos, entry, hypot, parameter, setting, sin, sqrt, tan
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.driver.pedals import UNBOUNDED
@@ -95,35 +91,6 @@ def nearest(path: Path, x: float, y: float, leg: int) -> tuple[float, int]:
     elif passed > path.length[leg] and leg < last:
         passed = path.length[leg]
     return path.start[leg] + passed, leg
-
-
-def distances_from(path: Path, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Distance of each of some points (n,) [m] from a path, (n,) [m]; the first and the last leg go on for ever."""
-    found = np.empty(len(x))
-    _compiled_distances()(Path(*map(np.array, path)), np.ascontiguousarray(x), np.ascontiguousarray(y), found)
-    return found
-
-
-@cache
-def _compiled_distances() -> Callable[..., None]:
-    return compiled(_distances)
-
-
-@compilable
-def _distances(path: Path, x: np.ndarray, y: np.ndarray, found: np.ndarray) -> None:
-    last = len(path.x) - 1
-    for i in range(len(x)):
-        square = math.inf
-        for leg in range(last + 1):
-            passed = passed_on(path, leg, x[i], y[i])
-            if leg > 0:
-                passed = max(passed, 0.0)
-            if leg < last:
-                passed = min(passed, path.length[leg])
-            off_x = x[i] - path.x[leg] - passed * path.along_x[leg]
-            off_y = y[i] - path.y[leg] - passed * path.along_y[leg]
-            square = min(square, off_x * off_x + off_y * off_y)
-        found[i] = math.sqrt(square)
 
 
 @compilable

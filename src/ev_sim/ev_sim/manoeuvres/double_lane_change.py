@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
-from ev_sim.driver.path import PathParameters, distances_from, path_of
+from ev_sim.driver.off_path import distances_from
+from ev_sim.driver.path import PathParameters, path_of
 from ev_sim.figures.other_axes import plan_view
 from ev_sim.figures.panels import Curve, motion_panels, readable
 from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
-from ev_sim.measures.course import Course, cones, edges, hit_cones, lanes_driven, outside_lanes
+from ev_sim.measures.course import Course, Lane, cones, edges, hit_cones, lanes_driven, outside_lanes
 from ev_sim.measures.metric import HIGHER, LOWER, Metric, NotMeasured, Parameters, Runs, channel, metric
 from ev_sim.recording.recording import Recording
 
@@ -23,13 +26,13 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
 
     Without a course in the scenario the values are those of the whole run.
     """
-    road = road_of(parameters)
+    road = _road_of(parameters)
 
     def of(run: Recording) -> dict[str, Metric]:
         def hit() -> int:
             _end_of_course(run, vehicle, course)  # who leaves the course early spares its cones
             count = np.count_nonzero(hit_cones(run, vehicle, course))
-            if not count and (left := _left(run, vehicle, road, course)):
+            if not count and (left := _left(run, road, course, lanes_driven(run, vehicle, course))):
                 raise NotMeasured(left)  # no cone stands where the car was
             return count
 
@@ -70,7 +73,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
     return motion.of_each_run(runs, of)
 
 
-def road_of(parameters: Parameters) -> PathParameters | None:
+def _road_of(parameters: Parameters) -> PathParameters | None:
     """The path of the driver, in the middle of the road; None if he has none."""
     path = {name: value for name, value in parameters.get("driver", {}).items() if name.startswith(_PATH)}
     return build(PathParameters, path, _PATH) if path else None
@@ -81,7 +84,8 @@ def passed(run: Recording, vehicle: Vehicle, road: PathParameters | None, course
 
     NotMeasured if it does neither leave them nor reach the end.
     """
-    if _left(run, vehicle, road, course) or (course.begin and hit_cones(run, vehicle, course).any()):
+    lanes = lanes_driven(run, vehicle, course) if course.begin else ()
+    if _left(run, road, course, lanes) or (course.begin and hit_cones(run, vehicle, course).any()):
         return False
     if course.begin:
         _end_of_course(run, vehicle, course)
@@ -89,11 +93,15 @@ def passed(run: Recording, vehicle: Vehicle, road: PathParameters | None, course
 
 
 def is_over(run: Recording, since: int, vehicle: Vehicle, road: PathParameters | None, course: Course) -> bool:
-    """Whether a car has left lanes or road, or is whole behind the last cone; it had not at the sample `since`."""
+    """Whether a car has left lanes or road, or is whole behind the last cone; it had not at the sample `since`.
+
+    To which side its lanes go is known in the first lane aside: before, it has to have left those of both.
+    """
     if not course.begin:
-        return bool(_left(run.part(since), vehicle, road, course))
+        return bool(_left(run.part(since), road, course, ()))
     behind = course.end[-1] + vehicle.centre_of_mass_to_rear_axle + course.overhang
-    return bool(channel(run, "pose.x")[-1] >= behind or _left(run, vehicle, road, course))
+    is_behind = channel(run, "pose.x")[-1] >= behind
+    return bool(is_behind or all(_left(run, road, course, course.lanes(vehicle, side)) for side in (1.0, -1.0)))
 
 
 def figures(runs: Runs, vehicle: Vehicle, course: Course) -> dict[str, Sheet]:
@@ -124,7 +132,7 @@ def _on_course(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
     return (x >= course.begin[0]) & (np.arange(len(x)) <= _end_of_course(run, vehicle, course))
 
 
-def _left(run: Recording, vehicle: Vehicle, road: PathParameters | None, course: Course) -> str:
+def _left(run: Recording, road: PathParameters | None, course: Course, lanes: Sequence[Lane]) -> str:
     """Where the car left the course up to its end, in a line: a lane, or the road of the driver's path; empty if not.
 
     That of the driver's path is as wide as `driver.path.width`.
@@ -132,7 +140,7 @@ def _left(run: Recording, vehicle: Vehicle, road: PathParameters | None, course:
     x, y = channel(run, "pose.x"), channel(run, "pose.y")
     behind = x > course.end[-1] if course.begin else np.zeros(len(x), bool)
     until = int(behind.argmax()) if behind.any() else len(x)
-    outside = {"its lane": outside_lanes(run, vehicle, course)} if course.begin else {}
+    outside = {"its lane": outside_lanes(run, lanes)}
     if road:
         outside["the road"] = distances_from(path_of(road), x, y) > road.width / 2
     first = sorted((int(where.argmax()), what) for what, where in outside.items() if where[:until].any())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from itertools import pairwise
 
@@ -129,11 +130,11 @@ def hit_cones(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
     return np.array(hit)
 
 
-def outside_lanes(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
+def outside_lanes(run: Recording, lanes: Iterable[Lane]) -> np.ndarray:
     """Where the centre of mass is beside a lane and not in it, (n,) bool."""
     x, y = channel(run, "pose.x"), channel(run, "pose.y")
     found = np.zeros(len(x), bool)
-    for lane in lanes_driven(run, vehicle, course):
+    for lane in lanes:
         found |= (x >= lane.begin) & (x <= lane.end) & (np.abs(y - lane.middle) > lane.width / 2)
     return found
 

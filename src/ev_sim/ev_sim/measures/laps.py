@@ -87,13 +87,15 @@ def _tree(points: bytes) -> Any:
 
 
 def _crossings(run: Recording, line: RacingLine) -> np.ndarray:
-    """When the car passes the first point of a line forwards, between the edges [s]."""
+    """When the car passes the first point of a line forwards, between the edges [s]; not once more after going back."""
     start = line.points[0]
     along = line.points[1] - line.points[-1]
     along = along / np.hypot(*along)
     x, y = channel(run, "pose.x") - start[0], channel(run, "pose.y") - start[1]
     passed, off = x * along[0] + y * along[1], y * along[0] - x * along[1]
-    here = (passed[:-1] < 0.0) & (passed[1:] >= 0.0) & (off[1:] < line.left[0]) & (-off[1:] < line.right[0])
-    before = np.flatnonzero(here)
+    turns = np.diff((passed >= 0.0).astype(int))  # 1 forwards, -1 back
+    before = np.flatnonzero(turns * ((off[1:] < line.left[0]) & (-off[1:] < line.right[0])))
+    laps = np.cumsum(turns[before])
+    before = before[laps > np.maximum.accumulate(np.append(0, laps[:-1]))]
     share = -passed[before] / (passed[before + 1] - passed[before])
     return run.time[before] + share * (run.time[before + 1] - run.time[before])

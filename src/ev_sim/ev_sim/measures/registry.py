@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,19 +26,23 @@ from ev_sim.surfaces import RoadParameters, Surface, left_and_right
 
 
 class DrivenRun(NamedTuple):
-    """What a metric is computed from: the true motion, the car, the surfaces on its road, and a closed course."""
+    """What a metric is computed from: the true motion, the car, the surfaces on its road, and a closed course.
+
+    `driver` are the parameters of its driver, such as his path.
+    """
 
     signals: Recording
     vehicle: Vehicle
     surfaces: tuple[Surface, ...] = ()
     course: CourseParameters | None = None
+    driver: Any = None
 
 
 def driven_run(signals: Recording, configurations: Mapping[str, Configuration]) -> DrivenRun:
     """A run of these configurations; `signals` is its true motion."""
     plant, driver = configurations[MASTER], configurations.get("driver")
-    surfaces = surfaces_of(getattr(plant.given, "road", None))
-    return DrivenRun(signals, plant.common.vehicle, surfaces, getattr(driver and driver.given, "course", None))
+    surfaces, given = surfaces_of(getattr(plant.given, "road", None)), driver and driver.given
+    return DrivenRun(signals, plant.common.vehicle, surfaces, getattr(given, "course", None), given)
 
 
 def surfaces_of(road: RoadParameters | None) -> tuple[Surface, ...]:

@@ -23,6 +23,7 @@ from ev_core.lockstep import tally
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.register import Method
 from ev_core.vehicle.description import Vehicle
+from ev_sim.driver.off_path import DISTANCES
 from ev_sim.recording.outcome import bar_of_code
 from ev_sim.running.children import Worker, WorkerLost
 from ev_sim.scenarios.scenario import Run
@@ -48,7 +49,7 @@ def compile_for(runs: Iterable[Run], in_nodes: bool, others: Collection[str] = (
     for each in heavy_first:
         with suppress(Exception):  # whatever a law raises when it is prepared
             units.append(unit_of(each))
-    compile_units([*filter(None, units), *stepping(in_nodes)])
+    compile_units([*filter(None, units), *of_reports(played), *stepping(in_nodes)])
 
 
 def compile_units(units: Iterable[Unit]) -> list[str]:
@@ -143,6 +144,12 @@ def unit_of_method(method: Method, parameters: Any, vehicle: Vehicle, period: fl
 def unit_of_code(code: Code) -> Unit:
     """What belongs to no method."""
     return Unit(code.name, code.is_kept, code.address, code.name)
+
+
+def of_reports(played: Iterable[Configuration]) -> list[Unit]:
+    """What the reports of runs need where a driver follows a path."""
+    has_path = any(each.role == "driver" and hasattr(each.given, "path") for each in played)
+    return [unit_of_code(DISTANCES)] if has_path else []
 
 
 def stepping(in_nodes: bool) -> list[Unit]:
