@@ -38,13 +38,12 @@ class Invented(Sequence[DrivenCell]):
         numbers = np.random.default_rng(number).random((len(LAWS), draws))
         numbers[:, 0] = np.nan
         names = named_metrics(BOARD.manoeuvres[cell.manoeuvre].measured)
-        made = DrivenCell(
-            cell,
-            {law: {name: 0.1 * of for name in names} for law, of in zip(LAWS, numbers, strict=True)},
-            {law: [f"scripts/run.sh {law} {draw} --set 'ä'" for draw in range(draws)] for law in LAWS},
-            dict.fromkeys(LAWS, ["", *(f"{draw:064}" for draw in range(1, draws))]),
-            dict.fromkeys(LAWS, np.ones(draws, bool)),
-        )
+        made = DrivenCell(cell, {}, {}, {}, {})
+        for law, of in zip(LAWS, numbers, strict=True):
+            made.metrics[law] = dict.fromkeys(names, 0.1 * of)
+            made.commands[law] = [f"scripts/run.sh {law} {draw} --set 'ä'" for draw in range(draws)]
+            made.hashes[law] = ["", *(f"{draw:064}" for draw in range(1, draws))]
+            made.clean[law] = np.ones(draws, bool)
         self._made.append(weakref.ref(made))
         self.most = max(self.most, sum(each() is not None for each in self._made))
         return made
