@@ -14,6 +14,7 @@ import pytest
 from schedulers import scheduler_with_two_workers
 
 from ev_core.parameters.data_file import files_in_config
+from ev_sim.benchmark import kept_cells
 from ev_sim.benchmark.board import read_board
 from ev_sim.benchmark.driving import DrivenCell, drive_cell
 from ev_sim.benchmark.kept_cells import KeptCells
@@ -78,6 +79,20 @@ def test_what_was_driven_with_a_file_that_has_changed_since_is_not_kept(tmp_path
     with pytest.raises(RunFailed, match="has changed while the board was driven: start it again"):
         kept.keep(DrivenCell(cell, {"pi": {}}, {}, {}, {}))
     assert not (tmp_path / "driven").exists()
+
+
+def test_what_other_sources_have_driven_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
+    """An edit of a source must not cost what took hours; it is driven again beside it."""
+    words = ["--cells", STEP, "--laws", "equal_torque", "--draws", "1", "--no-report", "--out", str(tmp_path)]
+    run_benchmark(words)
+    (before,) = (tmp_path / "driven").iterdir()
+    content = before.read_bytes()
+    monkeypatch.setattr(kept_cells, "digest_of_sources", lambda config: "f" * 24)
+    run_benchmark(words)
+    note = f"note: 1 files in {tmp_path / 'driven'} are of other sources: they are neither used nor removed"
+    assert note in "".join(capsys.readouterr())
+    assert before.read_bytes() == content
+    assert len([*(tmp_path / "driven").iterdir()]) == 2
 
 
 WORDS = ["--cells", "layout_1_8_c:all:step_steer:*", "--laws", "pi", "--draws", "4", "--no-report"]

@@ -81,15 +81,15 @@ class KeptCells(Sequence[DrivenCell]):
         """The names of all files, below the folder."""
         return list(dict.fromkeys(self._names.values()))
 
-    def is_worth_keeping(self, name: str) -> bool:
-        """Whether a file, of these cells and laws or of others, is of our sources as they are."""
+    def is_of_our_sources(self, name: str) -> bool:
+        """Whether a file, of these cells and laws or of others, was driven by our sources as they are."""
         return name.startswith(f"{FOLDER}/{self._sources}_")
 
     def set_broken_aside(self) -> list[Path]:
         """Move files of our sources that are not what was written to the folder BROKEN; where they were."""
         found = []
         for path in sorted((self._folder / FOLDER).glob("*.npz")) if self._folder is not None else ():
-            if self.is_worth_keeping(f"{FOLDER}/{path.name}") and not _is_whole(path):
+            if self.is_of_our_sources(f"{FOLDER}/{path.name}") and not _is_whole(path):
                 (path.parents[1] / BROKEN).mkdir(exist_ok=True)
                 found.append(path)
                 path.replace(path.parents[1] / BROKEN / path.name)

@@ -121,10 +121,12 @@ def _jobs(board: Board, cell: Cell, laws: Sequence[str]) -> Iterator[tuple[Board
 
 
 def _kept(out: Path, kept: KeptCells, given: argparse.Namespace) -> list[str]:
-    """The files of earlier boards that are not driven anew."""
+    """The files of earlier boards that are not driven anew; those of other sources took hours, too, and stay."""
     found = [f"{FOLDER}/{each.name}" for each in (out / FOLDER).glob("*.npz")]
+    if others := sum(not kept.is_of_our_sources(each) for each in found):
+        announce(f"note: {others} files in {out / FOLDER} are of other sources: they are neither used nor removed")
     anew = set(kept.files if given.anew else ())
-    return [each for each in found if kept.is_worth_keeping(each) and each not in anew]
+    return [each for each in found if each not in anew]
 
 
 def _parser() -> argparse.ArgumentParser:
