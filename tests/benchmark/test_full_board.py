@@ -20,6 +20,7 @@ from ev_sim.benchmark.board import CASES, Board, read_board
 from ev_sim.benchmark.driving import drawn, drive_cell, drive_law, laws_in_cell, run_of, values_of
 from ev_sim.benchmark.entry_speed import CLEAN, END, HASH, at_speeds, clean, last_true
 from ev_sim.benchmark.held_out import with_cases
+from ev_sim.benchmark.law_pages import overview
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.command_line.options import arguments, overrides
 from ev_sim.measures import motion
@@ -180,6 +181,7 @@ def test_what_is_recorded_counts_in_no_cost(board: Board):
     plain, designed = result.recorded["understeer_gradient"]
     assert designed > 2.0 * plain > 0.0
     assert result.as_json()["recorded"]["pi"]["understeer_gradient"] == designed
+    assert any(line.startswith("| pi |") and f"{designed:.3g}" in line for line in overview(result).splitlines())
     assert set(result.recorded) == {"understeer_gradient", "torque_activity", "high_friction_use", "way", "lap_time"}
     assert result.recorded["way"][0] > 0.0
     assert result.as_json()["recorded"]["pi"]["lap_time"] is None

@@ -1,4 +1,4 @@
-"""A page of each law on a board, in Markdown: where it wins and breaks, and what it is made of."""
+"""A board in Markdown: its scores, and a page of each law: where it wins and breaks, and what it is made of."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ev_sim.benchmark.board import COSTS, Cell
 from ev_sim.benchmark.drawing import undominated
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.scores import interquartile_mean, tail_mean
-from ev_sim.benchmark.tables import short_id
+from ev_sim.benchmark.tables import SCORE_COLUMNS, score_rows, short_id
 from ev_sim.report.tables import markdown_table
 
 PART_COLUMNS = ("where", "handling", "worst tenth", "energy", "unstable [%]", "best law there")
@@ -21,6 +21,15 @@ _GROUPS: tuple[Callable[[Cell], str], ...] = (
     lambda cell: cell.manoeuvre,
     lambda cell: cell.road,
 )
+
+
+def overview(result: BoardResult) -> str:
+    """The scores of all laws, and the medians of what is recorded beside them, over all runs that have it."""
+    tables = [markdown_table(SCORE_COLUMNS, score_rows(result, result.laws))]
+    if recorded := result.recorded:
+        rows = [[law, *(f"{of[i]:.3g}" for of in recorded.values())] for i, law in enumerate(result.laws)]
+        tables += ["Medians of what counts in no cost:", markdown_table(("law", *recorded), rows)]
+    return "\n\n".join(each.strip() for each in tables) + "\n"
 
 
 def law_page(result: BoardResult, law: str, level: int = 2) -> str:

@@ -20,7 +20,7 @@ from ev_sim.benchmark.drawing import board_sheet
 from ev_sim.benchmark.driving import DrivenCell, drive_cell, drive_law, laws_in_cell
 from ev_sim.benchmark.held_out import held_out
 from ev_sim.benchmark.kept_cells import BROKEN, FOLDER, KeptCells
-from ev_sim.benchmark.law_pages import law_page
+from ev_sim.benchmark.law_pages import law_page, overview
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.run_files import RUNS, write_runs
 from ev_sim.benchmark.step_times import step_times
@@ -220,4 +220,5 @@ def _write(folder: Path, result: BoardResult, command: str, given: argparse.Name
     write_runs(folder, result)
     order = [*added, *(law for law in result.laws if law not in (*added, result.board.reference))]
     pages = [law_page(result, law) for law in order]
-    (folder / PAGES).write_text("\n".join([f"# Laws on the board {result.board.name}\n", *pages]), encoding="utf-8")
+    whole = [f"# Laws on the board {result.board.name}\n", overview(result), *pages]
+    (folder / PAGES).write_text("\n".join(whole), encoding="utf-8")
