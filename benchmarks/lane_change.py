@@ -15,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ev_sim.batches.batch import batch
+from ev_sim.driver.off_path import distances_from
 from ev_sim.driver.path import Path as Line
-from ev_sim.driver.path import distances_from, path_of
+from ev_sim.driver.path import path_of
 from ev_sim.measures.course import hit_cones
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Overrides, load_scenario
