@@ -72,6 +72,7 @@ def test_a_batch_of_nothing_else_is_the_run_itself():
     recording = run_offline(lane_change(), 1.0)
     assert found.signals["pose.x"][0].tobytes() == recording.channels["pose.x"][::7].tobytes()
     assert found.metrics == {}
+    assert found.ends.tolist() == [1.0]
 
 
 def test_a_run_that_is_not_finite_stops_alone():
@@ -83,6 +84,7 @@ def test_a_run_that_is_not_finite_stops_alone():
     assert not good.failed
     assert list(found.failed) == [1]
     assert "only finite numbers are allowed" in found.failed[1]
+    assert np.isnan(found.ends).tolist() == [False, True, False]
     for kind in ("signals", "metrics"):
         for name, values in getattr(found, kind).items():
             assert values[[0, 2]].tobytes() == getattr(good, kind)[name][[0, 2]].tobytes()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -162,15 +162,15 @@ class BatchResult:
     samples of each run at the instants `time` [s], (runs, samples). `failed`: by number of the run what was not finite
     and when; such a run has stopped there, its metrics and what would have come later are NaN. `hashes`: the signal
     hash of each run if asked for, empty where it has failed. `ends`: when each run ended [s], (runs,), NaN where it has
-    failed; without metrics of whole runs and hashes empty.
+    failed.
     """
 
     metrics: Mapping[str, np.ndarray]
     signals: Mapping[str, np.ndarray]
     time: np.ndarray
     failed: Mapping[int, str]
+    ends: np.ndarray
     hashes: Sequence[str] = ()
-    ends: np.ndarray = field(default_factory=lambda: np.array([]))
 
     def __repr__(self) -> str:
         kept = ", ".join(f"{name} {np.shape(values)}" for name, values in {**self.metrics, **self.signals}.items())
@@ -227,8 +227,8 @@ def batch(
         begins = range(0, variation.runs, size)
         portions = pool.map(runs.drive_some, [range(each, min(each + size, variation.runs)) for each in begins])
         failed = {run: text for portion in portions for run, text in portion.items()}
-    reduced = observation.reduced()
-    reduced[list(failed)] = np.nan
+    reduced, ends = observation.reduced(), measures.ends if measures else np.full(variation.runs, times[-1])
+    reduced[list(failed)] = ends[list(failed)] = np.nan
     return BatchResult(
         {
             **{name: result(m.kind, reduced[:, i], len(times)) for i, (name, m) in enumerate(reductions.items())},
@@ -237,8 +237,8 @@ def batch(
         observation.signals(),
         times[::every],
         failed,
+        ends,
         measures.hashes if measures else (),
-        measures.ends if measures else np.array([]),
     )
 
 

@@ -44,4 +44,4 @@ def batch_by_period(
         failed |= {runs[number]: text for number, text in of.failed.items()}
         for run, each in zip(runs, of.hashes, strict=False):
             signal_hashes[run] = each
-    return BatchResult(found, {}, np.array([]), failed, signal_hashes, ends)
+    return BatchResult(found, {}, np.array([]), failed, ends, signal_hashes)
