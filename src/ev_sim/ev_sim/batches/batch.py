@@ -76,8 +76,8 @@ class Runs:
         self._observation, self._times = observation, times
         self._measures, self._ending = measures, ending
         last = len(times) - 1
-        looks = round(ending.every / times[1]) if ending and last else last
-        self._legs = list(pairwise([0, *range(max(looks, 1), last, max(looks, 1)), last]))
+        look = max(round(ending.every / times[1]) if ending and last else last, 1)
+        self._legs = list(pairwise([0, *range(look, last, look), last]))
         self._varied = {role: variation.configurations(role) for role in configurations}
         first = {role: varied[0] if varied else configurations[role] for role, varied in self._varied.items()}
         made = {role: method_part(configuration, compiled=True) for role, configuration in first.items()}

@@ -94,13 +94,8 @@ def measured_understeer_gradient(run: Recording, vehicle: Vehicle) -> float:
     """Slope of delta - L a_y/V^2 over a_y, before it is first beyond GRADIENT_RANGE [rad s^2/m]; magnitudes."""
     across = np.abs(motion.lateral_acceleration_on_path(run))
     rolling = vehicle.wheelbase * across / np.maximum(motion.speed(run), motion.SLOWEST) ** 2
-    low, high = GRADIENT_RANGE
-    end = motion.first(across > high, f"a lateral acceleration of {high:g} m/s^2")
-    inside = np.flatnonzero(across[:end] >= low)
-    if len(inside) < 2:
-        raise NotMeasured(f"the lateral acceleration jumps over {low:g} to {high:g} m/s^2")
     beyond = np.abs(channel(run, motion.ROAD_WHEEL_ANGLE)) - rolling
-    return float(np.polyfit(across[inside], beyond[inside], 1)[0])
+    return motion.line_over(across, beyond, *GRADIENT_RANGE)[0]
 
 
 def peak_slip_ratio(run: Recording) -> float:

@@ -174,3 +174,16 @@ def of_each_run(runs: Runs, measure: Callable[[Recording], dict[str, Metric]]) -
         for name, run in runs.items()
         for key, value in measure(run).items()
     }
+
+
+def line_over(across: np.ndarray, values: np.ndarray, low: float, high: float) -> tuple[float, float]:
+    """Slope and offset of values (n,) over a lateral acceleration (n,) within bounds [m/s^2], by least squares.
+
+    It is that before the acceleration is first above them; NotMeasured if it never is, or jumps over them.
+    """
+    end = first(across > high, f"a lateral acceleration of {high:.2f} m/s^2")
+    inside = across[:end] >= low
+    if np.count_nonzero(inside) < 2:
+        raise NotMeasured(f"the lateral acceleration jumps over {low:.2f} to {high:.2f} m/s^2")
+    slope, offset = np.polyfit(across[:end][inside], values[:end][inside], 1)
+    return float(slope), float(offset)

@@ -64,12 +64,7 @@ def angle_at(run: Recording, acceleration: float, read: str = FITTED_LINE) -> fl
     if read == AT_CROSSING:
         time = motion.crossing_time(run.time, across, acceleration, f"a lateral acceleration of {acceleration:g} m/s^2")
         return motion.value_at(run, angle, time)
-    low, high = (share * acceleration for share in FIT_RANGE)
-    end = motion.first(across > high, f"a lateral acceleration of {high:.2f} m/s^2")
-    inside = across[:end] >= low
-    if np.count_nonzero(inside) < 2:
-        raise NotMeasured(f"the lateral acceleration jumps over {low:.2f} to {high:.2f} m/s^2")
-    slope, offset = np.polyfit(across[:end][inside], angle[:end][inside], 1)
+    slope, offset = motion.line_over(across, angle, *(share * acceleration for share in FIT_RANGE))
     return float(slope * acceleration + offset)
 
 
