@@ -46,6 +46,19 @@ def test_only_what_is_missing_or_would_be_another_number_is_driven(tmp_path: Pat
         assert [law for of in found.values() for law in of] == missing
 
 
+def test_an_edit_of_a_manoeuvre_and_a_choice_of_cells_leave_what_others_have_driven():
+    """The first manoeuvre, too, though its run is that in which each law was configured."""
+    every = SMALL.cells("layout_1_8_c:all:*:wet:*")
+    first = every[0].manoeuvre
+    longer = replace(SMALL.manoeuvres[first], duration=SMALL.manoeuvres[first].duration + 1.0)
+    edited = replace(SMALL, manoeuvres={**SMALL.manoeuvres, first: longer})
+    names, others = (KeptCells(board, every, LAWS).files for board in (SMALL, edited))
+    assert [old == new for old, new in zip(names, others, strict=True)] == [
+        cell.manoeuvre != first for cell in every for _ in LAWS
+    ]
+    assert KeptCells(SMALL, every[-1:], LAWS).files == names[-len(LAWS) :]
+
+
 def test_a_file_in_which_any_byte_is_another_one_is_set_aside(tmp_path: Path):
     """Names of arrays, sizes and ways of packing are not all in the checksums of a zip. A lost end counts as well."""
     cells = SMALL.cells(STEP)

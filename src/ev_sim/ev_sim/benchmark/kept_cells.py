@@ -57,8 +57,11 @@ class KeptCells(Sequence[DrivenCell]):
                 self.runs.append(_with_law(board, self._laws[0], base))
             for law in self._laws:
                 if (cell.car, law) not in of_laws:
-                    of_laws[cell.car, law], run = self._key_of(lambda base=base, law=law: _with_law(board, law, base))
-                    self.runs.append(run)
+                    # Its nodes alone, so that an edit of the first manoeuvre leaves what the others have driven.
+                    of_laws[cell.car, law], _ = self._key_of(
+                        lambda base=base, law=law: Run(law, "", law_of(board, law, base), 0.0)
+                    )
+                    self.runs.append(_with_law(board, law, base))
                 manoeuvres = {cell.manoeuvre: board.manoeuvres[cell.manoeuvre]}
                 declared = replace(others, laws={law: board.laws[law]}, manoeuvres=manoeuvres)
                 keys = of_runs[cell.car, cell.manoeuvre], of_laws[cell.car, law]
