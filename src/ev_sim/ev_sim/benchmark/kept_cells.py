@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ev_core.lockstep.configuration import Configuration
 from ev_core.parameters.data_file import SIGNALS, files_read, read_data
 from ev_sim.benchmark.added import refuse_variations
 from ev_sim.benchmark.board import Board, Cell
@@ -54,14 +55,14 @@ class KeptCells(Sequence[DrivenCell]):
                 of_runs[cell.car, cell.manoeuvre], base = self._key_of(
                     lambda cell=cell: run_of(board, cell, values_of(board, cell))
                 )
-                self.runs.append(_with_law(board, self._laws[0], base))
+                self.runs.append(_playing(base, law_of(board, self._laws[0], base)))
             for law in self._laws:
                 if (cell.car, law) not in of_laws:
                     # Its nodes alone, so that an edit of the first manoeuvre leaves what the others have driven.
-                    of_laws[cell.car, law], _ = self._key_of(
+                    of_laws[cell.car, law], nodes = self._key_of(
                         lambda base=base, law=law: Run(law, "", law_of(board, law, base), 0.0)
                     )
-                    self.runs.append(_with_law(board, law, base))
+                    self.runs.append(_playing(base, nodes.configurations))
                 manoeuvres = {cell.manoeuvre: board.manoeuvres[cell.manoeuvre]}
                 declared = replace(others, laws={law: board.laws[law]}, manoeuvres=manoeuvres)
                 keys = of_runs[cell.car, cell.manoeuvre], of_laws[cell.car, law]
@@ -168,5 +169,5 @@ def _is_whole(path: Path) -> bool:
     return True
 
 
-def _with_law(board: Board, law: str, base: Run) -> Run:
-    return replace(base, configurations={**base.configurations, **law_of(board, law, base)})
+def _playing(run: Run, nodes: Mapping[str, Configuration]) -> Run:
+    return replace(run, configurations={**run.configurations, **nodes})
