@@ -1,4 +1,4 @@
-"""scripts/document.sh [--runs [PAGE ...] | --check]"""
+"""scripts/document.sh [--runs [PAGE ...] | --full DIR | --check]"""
 
 from __future__ import annotations
 
@@ -39,8 +39,13 @@ def main(argv: list[str] | None = None) -> None:
         metavar="PAGE",
         help="also drive the scenarios and studies for the results and the images, of all pages or of these",
     )
+    way.add_argument(
+        "--full", type=Path, metavar="DIR", help="also keep what `run.sh benchmark full --out DIR` has left"
+    )
     way.add_argument("--check", action="store_true", help="change nothing, name the stale pages")
     given = parser.parse_args(argv)
+    if given.full is not None:
+        _keep_full(given.root, given.full)
     stale = stale_pages(given.root)
     for page, text in stale.items():
         print(f"{'stale' if given.check else 'written'}: {page.relative_to(given.root)}")
@@ -102,6 +107,15 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
         if name in wanted:
             further = {part: table() for part, table in scenario_results.STUDY_TABLES.get(name, {}).items()}
             _write(root / name, {**_studied(root, studies, images), **further})
+
+
+def _keep_full(root: Path, folder: Path) -> None:
+    from documentation.full_board import FILE, kept_board, write_kept
+    from documentation.full_board_tables import IMAGE
+    from documentation.images import save_image
+
+    write_kept(root / FILE, kept_board(folder))
+    save_image(folder / "board.png", root / "docs" / "images" / f"{IMAGE}.png")
 
 
 def _write_hashes(page: Path) -> None:

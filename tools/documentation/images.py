@@ -17,4 +17,9 @@ def save_small(sheets: Sheets, folder: Path) -> None:
     """Write each figure as NAME.png with a palette of few colours."""
     with TemporaryDirectory() as large:
         for path in save_figures(drawn(sheets), large):
-            Image.open(path).convert("RGB").quantize(COLOURS).save(folder / path.name, optimize=True)
+            save_image(path, folder / path.name)
+
+
+def save_image(large: Path, small: Path) -> None:
+    """Write an image with a palette of few colours."""
+    Image.open(large).convert("RGB").quantize(COLOURS).save(small, optimize=True)

@@ -10,6 +10,7 @@ from documentation import (
     benchmark_board,
     can_reference,
     comparisons,
+    full_board_tables,
     metric_reference,
     parameter_reference,
     topic_reference,
@@ -53,6 +54,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "rooms": architecture.room_tables,
     "layers": architecture.declaration,
     "comparisons": comparisons.comparison_table,
+    **full_board_tables.PARTS,
 }
 
 README = "README.md"
@@ -70,6 +72,7 @@ PAGES = {
     verdict_tables.PAGE: verdict_tables.PARTS,  # made from runs, too
     benchmark_board.PAGE: benchmark_board.PARTS,  # the same
     benchmark_board.LAWS_PAGE: (benchmark_board.LAW_PAGES,),
+    full_board_tables.PAGE: tuple(full_board_tables.PARTS),
     **{name: (RESULTS, *page.studies, *page.tables) for name, page in SCENARIO_PAGES.items()},
     **{name: (*studies, *STUDY_TABLES.get(name, {})) for name, studies in STUDY_PAGES.items()},
 }

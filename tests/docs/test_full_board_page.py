@@ -1,0 +1,109 @@
+"""The full board takes hours: its page is held against the numbers that were kept of it, and some runs are driven."""
+
+from __future__ import annotations
+
+import gzip
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from documentation.full_board import kept, kept_board, write_kept
+from documentation.full_board_tables import PAGE, PARTS
+from documentation.markdown import block_names
+from ev_sim.benchmark import run_files
+from ev_sim.benchmark.board import read_board
+from ev_sim.benchmark.driving import drive_law, laws_in_cell
+from ev_sim.benchmark.entry_speed import HASH
+from ev_sim.benchmark.result import BoardResult
+from ev_sim.benchmark.scores import interquartile_mean
+from ev_sim.benchmark.tables import DIGITS
+from ev_sim.commands.benchmark import drive_board
+from ev_sim.recording.recording import combined_hash
+
+ROOT = Path(__file__).parents[2]
+BOARD = read_board("full")
+RUNS_DRIVEN = [  # a cell and a law: drives on two or four wheels, a search, split friction, the rig's tyre, an oracle
+    ("audi_a2:front:friction_jump_in_bend:dry_to_wet", "all_known_neutral"),
+    ("compact_ev:rear:lift_off_in_bend:wet", "predictive"),
+    ("layout_1_8_c:all:double_lane_change:snow", "lqr_all_known"),
+    ("mixed_motors:all:launch:split", "stability_by_drives"),
+    ("racing_car:all:slow_ramp:dry", "super_twisting"),
+]
+
+
+def test_page_is_of_the_board_as_it_is():
+    """An edit of the board raises its version, and the full board is driven anew: scripts/document.sh --full DIR."""
+    assert kept()["version"] == BOARD.version
+    assert kept()["draws"] == BOARD.draws
+    assert kept()["laws"] == list(BOARD.laws)
+    assert list(kept()["cells"]) == [cell.id("*") for cell in BOARD.cells()]
+    assert block_names((ROOT / PAGE).read_text(encoding="utf-8")) == list(PARTS)
+
+
+@pytest.mark.parametrize(("place", "law"), RUNS_DRIVEN)
+def test_first_draw_of_a_cell_has_the_hash_of_the_page(place: str, law: str):
+    (cell,) = BOARD.cells(f"{place}:*")
+    runs = laws_in_cell(BOARD, cell, [law])[law].only(0)
+    _, found = drive_law(replace(BOARD, draws=1), cell, runs)
+    signals = combined_hash({runs.run.name: found[HASH][0]})
+    assert signals[:DIGITS] == kept()["cells"][cell.id("*")]["hashes"][list(BOARD.laws).index(law)]
+
+
+@pytest.fixture(scope="module")
+def result() -> BoardResult:
+    """Three cells and few draws."""
+    few = replace(read_board("small"), draws=5)
+    return drive_board(few, "compact_ev:rear:step_steer:*", laws=[few.reference, "pi"])
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: BoardResult) -> Path:
+    """What a board with many runs leaves behind."""
+    monkeypatch.setattr(run_files, "MOST_IN_JSON", 0)
+    (tmp_path / "board.json").write_text(json.dumps(result.as_json() | {"versions": {"python": "3"}}))
+    run_files.write_runs(tmp_path, result)
+    return tmp_path
+
+
+def test_what_is_kept_are_the_numbers_of_the_runs(folder: Path, result: BoardResult):
+    """To four digits; over all three cells that of the car is the score."""
+    found = kept_board(folder)
+    assert found["laws"] == ["equal_torque", "pi"]
+    for n, (cell, driven) in enumerate(zip(found["cells"], result.cells, strict=True)):
+        of = found["cells"][cell]
+        assert cell == driven.cell.id("*")
+        for cost in ("handling", "energy"):
+            assert of[cost] == pytest.approx(result.middles[cost][:, n], rel=5e-4)
+        assert of["unstable"] == pytest.approx(result.unstable[:, n].mean(axis=-1), rel=5e-4)
+        assert of["hashes"] == [driven.hashes[law][0][:DIGITS] for law in result.laws]
+        assert set(of["medians"]) == set(driven.metrics["pi"])
+        for name, medians in of["medians"].items():
+            assert medians == pytest.approx([np.median(driven.metrics[law][name]) for law in result.laws], rel=5e-4)
+    for name, scores in result.scores.items():
+        assert [found["scores"][law][name]["rank"] for law in result.laws] == [each.rank for each in scores]
+        assert found["where"]["compact_ev:rear"][name] == pytest.approx([each.value for each in scores], rel=5e-4)
+    best = {cost: float(interquartile_mean(of.min(axis=0).ravel())) for cost, of in result.costs.items()}
+    assert {cost: found["best of each run"][cost] for cost in best} == pytest.approx(best, rel=5e-4)
+
+
+def test_runs_of_another_board_are_refused(folder: Path):
+    lines = gzip.decompress((folder / "runs.jsonl.gz").read_bytes()).splitlines(keepends=True)
+    for fewer, line in ((lines[:-1], "has not 5 runs of each law"), (lines[:-10], "has other cells than board.json")):
+        (folder / "runs.jsonl.gz").write_bytes(gzip.compress(b"".join(fewer)))
+        with pytest.raises(ValueError, match=line):
+            kept_board(folder)
+
+
+def test_a_number_that_no_run_has_is_kept_as_none(folder: Path, tmp_path: Path):
+    """Such as the time of a car that never gets there; the file is read back as it was."""
+    runs = [json.loads(line) for line in gzip.decompress((folder / "runs.jsonl.gz").read_bytes()).splitlines()]
+    for run in runs[:5]:
+        run["yaw_rate_error"] = None
+    (folder / "runs.jsonl.gz").write_bytes(gzip.compress("\n".join(map(json.dumps, runs)).encode()))
+    found = kept_board(folder)
+    assert next(iter(found["cells"].values()))["medians"]["yaw_rate_error"][0] is None
+    write_kept(tmp_path / "kept.json", found)
+    assert json.loads((tmp_path / "kept.json").read_text()) == found
