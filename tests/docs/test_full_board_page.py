@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import gzip
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from documentation.full_board import kept, kept_board, write_kept
+from documentation.__main__ import main
+from documentation.full_board import hold_against, kept, kept_board, write_kept
 from documentation.full_board_tables import PAGE, PARTS
 from documentation.markdown import block_names
 from ev_sim.benchmark import run_files
@@ -36,10 +38,7 @@ RUNS_DRIVEN = [  # a cell and a law: drives on two or four wheels, a search, spl
 
 def test_page_is_of_the_board_as_it_is():
     """An edit of the board raises its version, and the full board is driven anew: scripts/document.sh --full DIR."""
-    assert kept()["version"] == BOARD.version
-    assert kept()["draws"] == BOARD.draws
-    assert kept()["laws"] == list(BOARD.laws)
-    assert list(kept()["cells"]) == [cell.id("*") for cell in BOARD.cells()]
+    hold_against(kept(), BOARD)
     assert block_names((ROOT / PAGE).read_text(encoding="utf-8")) == list(PARTS)
 
 
@@ -95,6 +94,37 @@ def test_runs_of_another_board_are_refused(folder: Path):
         (folder / "runs.jsonl.gz").write_bytes(gzip.compress(b"".join(fewer)))
         with pytest.raises(ValueError, match=line):
             kept_board(folder)
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        (lambda folder: None, "board is small, wanted is full"),
+        (lambda folder: (folder / "board.json").unlink(), "No such file or directory"),
+        (lambda folder: (folder / "runs.jsonl.gz").write_bytes(b"\x1f\x8b"), "Compressed file ended"),
+        (lambda folder: (folder / "board.json").write_text("{}"), "'scores'"),
+    ],
+    ids=["another board", "none", "cut off", "foreign"],
+)
+def test_what_is_no_full_board_is_one_line_and_nothing_is_written(
+    change: Callable[[Path], object], line: str, folder: Path, tmp_path_factory: pytest.TempPathFactory
+):
+    root = tmp_path_factory.mktemp("root")
+    change(folder)
+    with pytest.raises(SystemExit, match=line) as refused:
+        main([str(root), "--full", str(folder)])
+    assert "\n" not in str(refused.value)
+    assert not list(root.iterdir())
+
+
+def test_a_part_of_the_full_board_is_refused():
+    whole = kept()
+    for name in ("laws", "cells"):
+        with pytest.raises(ValueError, match=f"^{name} is "):
+            hold_against(whole | {name: list(whole[name])[:-1]}, BOARD)
+    with pytest.raises(ValueError, match="draws is 199, wanted is 200"):
+        hold_against(whole | {"draws": 199}, BOARD)
+    hold_against(whole, BOARD)
 
 
 def test_a_number_that_no_run_has_is_kept_as_none(folder: Path, tmp_path: Path):

@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from ev_sim.benchmark.board import COSTS
+from ev_msgs_py.refusal import shown
+from ev_sim.benchmark.board import COSTS, Board
 from ev_sim.benchmark.scores import interquartile_mean, tail_mean
 from ev_sim.benchmark.tables import DIGITS
 
@@ -60,6 +61,21 @@ def kept_board(folder: Path) -> dict[str, Any]:
         "where": dict(_by_group(list(cells), costs, unstable)),
         "cells": cells,
     }
+
+
+def hold_against(kept: dict[str, Any], board: Board) -> None:
+    """ValueError unless a board was driven whole: its name, version and draws, all laws and all cells."""
+    whole = {
+        "board": board.name,
+        "version": board.version,
+        "draws": board.draws,
+        "laws": list(board.laws),
+        "cells": [cell.id("*") for cell in board.cells()],
+    }
+    for name, wanted in whole.items():
+        found = list(kept[name]) if isinstance(wanted, list) else kept[name]
+        if found != wanted:
+            raise ValueError(f"{name} is {shown(found)}, wanted is {shown(wanted)}")
 
 
 def write_kept(path: Path, kept: dict[str, Any]) -> None:

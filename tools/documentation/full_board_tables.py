@@ -41,7 +41,7 @@ def scores() -> str:
 def recorded() -> str:
     """Medians of what counts in no cost."""
     names = list(next(iter(kept()["recorded"].values())))
-    rows = [[code(law), *(f"{of[name]:.3g}" for name in names)] for law, of in kept()["recorded"].items()]
+    rows = [[code(law), *(_shown(of[name], ".3g") for name in names)] for law, of in kept()["recorded"].items()]
     return table(("law", *names), rows)
 
 
