@@ -104,6 +104,10 @@ def test_its_laws_have_the_tuned_numbers(board: Board, path: Path):
     assert {name: law[name] for name in tuned} == pytest.approx(tuned, rel=5e-4)
 
 
+def test_both_laws_that_know_all_differ_in_their_reference_alone(board: Board):
+    assert board.laws["all_known_neutral"] == {**board.laws["lqr_all_known"], "reference": "neutral"}
+
+
 @pytest.mark.parametrize("count", [2, 4, 64])
 @pytest.mark.parametrize("start", [0, 1, 31, 63, 64])
 def test_the_last_place_is_found_from_any_start(count: int, start: int):

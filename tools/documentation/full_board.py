@@ -19,6 +19,7 @@ import numpy as np
 
 from ev_msgs_py.refusal import shown
 from ev_sim.benchmark.board import COSTS, Board
+from ev_sim.benchmark.result import medians
 from ev_sim.benchmark.scores import interquartile_mean, tail_mean
 from ev_sim.benchmark.tables import DIGITS
 
@@ -40,23 +41,23 @@ def kept_board(folder: Path) -> dict[str, Any]:
     for cell, runs in _runs_of_cells(folder / "runs.jsonl.gz"):
         of_laws = {law: list(of) for law, of in groupby(runs, key=lambda run: run["law"])}
         if list(of_laws) != laws or any(len(of) != board["draws"] for of in of_laws.values()):
-            raise ValueError(f"{folder}: {cell} has not {board['draws']} runs of each law of board.json")
+            raise ValueError(f"{cell} has not {board['draws']} runs of each law of board.json")
         for cost, of_cost in costs.items():
             of_cost.append(_of_runs(of_laws, f"{cost}_cost"))
         unstable.append(_of_runs(of_laws, "unstable"))
         cells[cell] = {
             **{cost: _kept(interquartile_mean(of_cost[-1])) for cost, of_cost in costs.items()},
             "unstable": _kept(unstable[-1].mean(axis=-1)),
-            "medians": {name: _kept(_medians(_of_runs(of_laws, name))) for name in runs[0] if name not in _NO_METRICS},
+            "medians": {name: _kept(medians(_of_runs(of_laws, name))) for name in runs[0] if name not in _NO_METRICS},
             "hashes": [of[0]["signal_hash"][:DIGITS] for of in of_laws.values()],
         }
     if list(cells) != board["cells"]:
-        raise ValueError(f"{folder}: runs.jsonl.gz has other cells than board.json")
+        raise ValueError("runs.jsonl.gz has other cells than board.json")
     return {
         **{name: board[name] for name in ABOUT},
         "laws": laws,
         "scores": _rounded(board["scores"]),
-        "best of each run": _rounded(_best_of_each_run(costs, unstable)),
+        "best of each run": _best_of_each_run(costs, unstable),
         "recorded": _rounded(board["recorded"]),
         "where": dict(_by_group(list(cells), costs, unstable)),
         "cells": cells,
@@ -80,9 +81,8 @@ def hold_against(kept: dict[str, Any], board: Board) -> None:
 
 def write_kept(path: Path, kept: dict[str, Any]) -> None:
     """With a line for each cell, so that a change is seen where it is."""
-    lines = [f"{json.dumps(name)}: {json.dumps(of, allow_nan=False)}" for name, of in kept.items() if name != "cells"]
-    cells = ",\n".join(f"{json.dumps(name)}: {json.dumps(of, allow_nan=False)}" for name, of in kept["cells"].items())
-    path.write_text("{\n" + ",\n".join([*lines, f'"cells": {{\n{cells}\n}}']) + "\n}\n", encoding="utf-8")
+    others = _lines({name: of for name, of in kept.items() if name != "cells"})
+    path.write_text(f'{{\n{others},\n"cells": {{\n{_lines(kept["cells"])}\n}}\n}}\n', encoding="utf-8")
 
 
 @cache
@@ -90,6 +90,10 @@ def kept() -> dict[str, Any]:
     """The full board as the repository has it."""
     found: dict[str, Any] = json.loads((Path(__file__).parents[2] / FILE).read_text(encoding="utf-8"))
     return found
+
+
+def _lines(of: dict[str, Any]) -> str:
+    return ",\n".join(f"{json.dumps(name)}: {json.dumps(each, allow_nan=False)}" for name, each in of.items())
 
 
 def _runs_of_cells(path: Path) -> Iterator[tuple[str, list[dict[str, Any]]]]:
@@ -105,7 +109,7 @@ def _of_runs(of_laws: dict[str, list[dict[str, Any]]], name: str) -> np.ndarray:
 
 def _by_group(
     cells: Sequence[str], costs: dict[str, list[np.ndarray]], unstable: list[np.ndarray]
-) -> Iterator[tuple[str, dict[str, list[float | None]]]]:
+) -> Iterator[tuple[str, dict[str, Any]]]:
     """Scores of all laws over the cells of a car, a manoeuvre and a road, from each cell's (laws, draws)."""
     for part in (slice(0, 2), slice(2, 3), slice(3, 4)):
         of_cells = [":".join(cell.split(":")[part]) for cell in cells]
@@ -114,37 +118,37 @@ def _by_group(
             handling, energy, lost = (
                 np.concatenate([of[n] for n in places], axis=1) for of in (*costs.values(), unstable)
             )
-            found = interquartile_mean(handling), tail_mean(handling), interquartile_mean(energy)
-            counted = dict(zip(("handling", "worst tenth", "energy"), map(_kept, found), strict=True))
-            yield name, {**counted, "unstable": _kept(lost.mean(axis=1))}
+            yield name, _scored(handling, energy, lost)
 
 
-def _best_of_each_run(costs: dict[str, list[np.ndarray]], unstable: list[np.ndarray]) -> dict[str, float]:
+def _best_of_each_run(costs: dict[str, list[np.ndarray]], unstable: list[np.ndarray]) -> dict[str, Any]:
     """What no choice among the laws beats: scores with the least cost of each run, of handling and energy apart."""
     handling, energy, lost = (
         np.concatenate([of.min(axis=0) for of in of_cells]) for of_cells in (*costs.values(), unstable)
     )
+    return _scored(handling, energy, lost)
+
+
+def _scored(handling: np.ndarray, energy: np.ndarray, unstable: np.ndarray) -> dict[str, Any]:
+    """Scores over the last axis, the runs."""
     return {
-        "handling": float(interquartile_mean(handling)),
-        "worst tenth": float(tail_mean(handling)),
-        "energy": float(interquartile_mean(energy)),
-        "unstable": float(lost.mean()),
+        "handling": _kept(interquartile_mean(handling)),
+        "worst tenth": _kept(tail_mean(handling)),
+        "energy": _kept(interquartile_mean(energy)),
+        "unstable": _kept(unstable.mean(axis=-1)),
     }
 
 
-def _medians(values: np.ndarray) -> np.ndarray:
-    """Over the runs that have a number, (laws,); NaN if none has."""
-    return np.array([np.median(of[~np.isnan(of)]) if not np.isnan(of).all() else np.nan for of in values])
-
-
-def _kept(values: np.ndarray) -> list[float | None]:
-    return [_rounded(value) for value in values.tolist()]
+def _kept(values: np.ndarray) -> Any:
+    return _rounded(values.tolist())
 
 
 def _rounded(of: Any) -> Any:
-    """A number, or all that a mapping has; whole ones and None stay."""
+    """A number, or all that a mapping or a list has; whole ones and None stay."""
     if isinstance(of, dict):
         return {name: _rounded(each) for name, each in of.items()}
+    if isinstance(of, list):
+        return [_rounded(each) for each in of]
     if not isinstance(of, float):
         return of
     return None if np.isnan(of) else float(f"{of:.{_FIGURES}g}")

@@ -9,11 +9,11 @@ import numpy as np
 from documentation.full_board import kept
 from documentation.markdown import code, table
 from ev_sim.benchmark.board import COSTS
-from ev_sim.benchmark.tables import CELL_COLUMNS, SCORE_COLUMNS
+from ev_sim.benchmark.scores import Score
+from ev_sim.benchmark.tables import CELL_COLUMNS, EQUAL, SCORE_COLUMNS, in_words
 
 PAGE = "docs/benchmark_full.md"
 IMAGE = "benchmark_full"
-_EQUAL = 0.02  # between middle costs, within which a cell is neither won nor lost
 
 
 def scores() -> str:
@@ -21,7 +21,7 @@ def scores() -> str:
     rows = []
     for law, of in kept()["scores"].items():
         found = [of[name] for name in ("handling", "worst tenth", "energy")]
-        texts = [text for each in found for text in _score(**each)]
+        texts = [text for each in found for text in in_words(Score(**each))]
         place = found[0]["rank"], found[0]["value"]
         rows.append((place, [code(law), *texts, f"{100.0 * of['unstable']:.1f}"]))
     rows.sort(key=lambda row: row[0])
@@ -70,7 +70,7 @@ def ends() -> str:
         if i != reference:
             won, lost = (_end(cell, i, reference) for cell in (best, worst))
             rows.append(
-                [code(law), won if more[best] < -_EQUAL else "nowhere", lost if more[worst] > _EQUAL else "nowhere"]
+                [code(law), won if more[best] < -EQUAL else "nowhere", lost if more[worst] > EQUAL else "nowhere"]
             )
     return table(("law", "wins most in", "breaks most in"), rows)
 
@@ -101,10 +101,6 @@ def cells() -> str:
         again = f"scripts/run.sh benchmark full --cells '{cell}' --drive {kept()['laws'][best[0]]}:0"
         rows.append([code(cell), *numbers, code(of["hashes"][best[0]]), code(again)])
     return table(CELL_COLUMNS, rows)
-
-
-def _score(value: float, low: float, high: float, rank: int) -> tuple[str, str]:
-    return f"{value:.3f} [{low:.3f}, {high:.3f}]", str(rank)
 
 
 def _parts_of_cells(part: slice) -> list[str]:

@@ -123,8 +123,7 @@ class BoardResult:
     @cached_property
     def recorded(self) -> dict[str, np.ndarray]:
         """By name of what counts in no cost the median over all runs that have it, (laws,); NaN if none has."""
-        runs = {name: np.concatenate(of, axis=1) for name, of in self._counted.recorded.items()}
-        return {name: np.array([_median(values[~np.isnan(values)]) for values in of]) for name, of in runs.items()}
+        return {name: medians(np.concatenate(of, axis=1)) for name, of in self._counted.recorded.items()}
 
     def once_more(self, cell: int, law: int, draw: int) -> str:
         """The line that drives a run alone."""
@@ -198,8 +197,10 @@ def _number(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _median(values: np.ndarray) -> float:
-    return float(np.median(values)) if values.size else math.nan
+def medians(values: np.ndarray) -> np.ndarray:
+    """Of each row the median over the runs that have a number, (laws,); NaN if none has."""
+    rows = [of[~np.isnan(of)] for of in values]
+    return np.array([np.median(of) if of.size else math.nan for of in rows])
 
 
 def _lists(of: Estimate, row: int) -> dict[str, list[float]]:

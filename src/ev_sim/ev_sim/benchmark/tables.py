@@ -20,7 +20,7 @@ CELL_COLUMNS = (
     "once more",
 )
 DIGITS = 12  # of a hash
-_EQUAL = 0.02  # between middle costs, within which a cell is neither won nor lost
+EQUAL = 0.02  # between middle costs, within which a cell is neither won nor lost
 
 
 def score_rows(result: BoardResult, laws: Sequence[str]) -> list[list[str]]:
@@ -30,7 +30,7 @@ def score_rows(result: BoardResult, laws: Sequence[str]) -> list[list[str]]:
     rows = [
         [
             result.laws[i],
-            *(text for each in scores.values() for text in _in_words(each[n])),
+            *(text for each in scores.values() for text in in_words(each[n])),
             f"{100.0 * result.unstable[i].mean():.1f}",
         ]
         for n, i in enumerate(places)
@@ -77,8 +77,8 @@ def _ends(result: BoardResult, law: int, reference: int) -> tuple[str, str]:
     unstable = f"; unstable {lost[0]} for {lost[1]} of {result.board.draws}" if any(lost) else ""
     texts = [f"{short_id(result, n)}: {middle[law, n]:.2f} for {middle[reference, n]:.2f}" for n in (best, worst)]
     return (
-        texts[0] if more[best] < -_EQUAL else "nowhere",
-        texts[1] + unstable if more[worst] > _EQUAL else "nowhere",
+        texts[0] if more[best] < -EQUAL else "nowhere",
+        texts[1] + unstable if more[worst] > EQUAL else "nowhere",
     )
 
 
@@ -93,5 +93,6 @@ def _percent(of: Estimate, row: int, column: int) -> str:
     return f"{value:.0f} [{low:.0f}, {high:.0f}]"
 
 
-def _in_words(score: Score) -> tuple[str, str]:
+def in_words(score: Score) -> tuple[str, str]:
+    """A score with its interval, and its rank: two columns of SCORE_COLUMNS."""
     return f"{score.value:.3f} [{score.low:.3f}, {score.high:.3f}]", str(score.rank)
