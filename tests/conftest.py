@@ -1,10 +1,15 @@
 """Settings that all tests share."""
 
 import os
+import sys
+from collections.abc import Iterator
 from itertools import groupby
 
 import pytest
 from hypothesis import settings
+
+from ev_core.methods import register
+from ev_core.parameters.data_file import entry_points
 
 # How long an example takes says nothing about our code. Where so many examples do not suffice, the test says so.
 settings.register_profile("ours", deadline=None, max_examples=20)
@@ -42,3 +47,32 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             left_out.update(each for place, each in enumerate(several) if place not in kept)
     config.hook.pytest_deselected(items=[item for item in items if item in left_out])
     items[:] = [item for item in items if item not in left_out]
+
+
+@pytest.fixture(autouse=True)
+def nothing_left_behind() -> Iterator[None]:
+    """No test leaves to the next one of its process what no new process has: which one is next, the workers decide.
+
+    What a module of an installed package registers, when it is imported at last, is there for all.
+    """
+    before = _shared()
+    yield
+    after = _shared()
+    for what, value in before.items():
+        assert after[what] == value, f"this test leaves other {what} behind"
+
+
+def _shared() -> dict[str, object]:
+    """What tests of one process share: by a name, what has to be as it was."""
+    installed = {point.value.partition(".")[0] for point in entry_points(group="ev_stack.methods")}
+    return {
+        "methods": {
+            (role, name): each
+            for role, methods in register._REGISTER.items()
+            for name, each in methods.items()
+            if each.package not in installed
+        },
+        "variables of the environment": {k: v for k, v in os.environ.items() if k != "PYTEST_CURRENT_TEST"},
+        "working directory": os.getcwd(),
+        "paths of modules": list(sys.path),
+    }
