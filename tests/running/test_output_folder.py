@@ -255,8 +255,9 @@ def test_what_a_killed_run_was_writing_is_moved(tmp_path: Path, capsys: pytest.C
             (tmp_path / name).parent.mkdir(exist_ok=True)
             (tmp_path / name).write_text(name)
     write_manifest(tmp_path, begun)
+    (tmp_path / ".notes.txt.0123abcd").touch()  # called as what is written, but not by us
     with OutputFolder(tmp_path, "scenario a", OF_ALL_RUNS, [run]):
-        assert sorted(path.name for path in tmp_path.iterdir()) == ["earlier_1", MANIFEST]
+        assert sorted(path.name for path in tmp_path.iterdir()) == [".notes.txt.0123abcd", "earlier_1", MANIFEST]
     assert sorted(path.name for path in (tmp_path / "earlier_1").rglob("*") if path.is_file()) == [
         ".signals.npz.0123abcd",
         "metadata.yaml",

@@ -21,6 +21,7 @@ from ev_sim.scenarios.scenario import Run
 
 MANIFEST = "ev_stack_manifest.json"
 _FORMAT = 1
+_NOT_WHOLE = f".*.{'[0-9a-f]' * 8}"  # how `atomic_file` calls what it is writing
 
 # Path below the folder -> SHA-256; or the pattern of files that are being written -> None.
 Files = dict[str, str | None]
@@ -221,12 +222,16 @@ class OutputFolder:
 
     def _unfinished(self, before: Files) -> list[str]:
         """What the writer was writing when it was killed, also under the name of a file that is not whole yet."""
-        found = []
+        found, names = [], {}
         for pattern in (pattern for pattern, digest in before.items() if digest is None):
+            found += there(self.directory, pattern)
             folder, slash, name = pattern.rpartition("/")
-            for each in (pattern, f"{folder}{slash}.{name}.{'[0-9a-f]' * 8}"):
-                found += [name for name in there(self.directory, each) if is_file(self.directory / name)]
-        return found
+            names.setdefault(folder + slash, []).append(name)
+        for folder, of_folder in names.items():
+            for each in there(self.directory, folder + _NOT_WHOLE):
+                whole = each.rpartition("/")[2][1:].rpartition(".")[0]
+                found += [each] if any(fnmatch.fnmatchcase(whole, name) for name in of_folder) else []
+        return [name for name in found if is_file(self.directory / name)]
 
     def _refuse_what_is_in_the_way(self, claims: Iterable[str], mine: set[str]) -> None:
         """ParameterError if a name is taken by what is not `mine`, or its folder, which is ours alone, holds such."""
