@@ -13,7 +13,9 @@ import pytest
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.driving import drawn, drive_cell, run_of, values_of
+from ev_sim.benchmark.cells.cell_runs import run_of, values_of
+from ev_sim.benchmark.cells.draws import drawn
+from ev_sim.benchmark.cells.driving import drive_cell
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.tables import closed_division, law_rows, score_rows
 from ev_sim.command_line.options import arguments, overrides

@@ -14,8 +14,11 @@ import yaml
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import TOLD_FRICTION, Board, Variation, read_board
-from ev_sim.benchmark.driving import DrivenCell, drawn, drive_cell, law_of, laws_in_cell, own_draws, run_of, values_of
-from ev_sim.benchmark.kept_cells import KeptCells
+from ev_sim.benchmark.cells.cell_runs import law_of, run_of, values_of
+from ev_sim.benchmark.cells.draws import drawn, own_draws
+from ev_sim.benchmark.cells.driving import DrivenCell, drive_cell, laws_in_cell
+from ev_sim.benchmark.cells.kept_cells import KeptCells
+from ev_sim.benchmark.varied import ends_of_variations
 from ev_sim.commands.run_scenario import main
 
 PERIODS = [0.005, 0.02]
@@ -86,6 +89,37 @@ def test_draws_are_within_what_is_declared(board: Board):
     assert (min(map(float, begins)) >= 0.5) and (max(map(float, begins)) <= 1.0)
     others = replace(many, variations=[*many.variations, Variation("plant.sensors.wheel_speed.noise", value=[0, 1])])
     assert drawn(others, cell, base).values["plant.faults"] == values["plant.faults"]
+
+
+def test_ends_of_a_choice_and_of_faults_are_the_runs_whose_command_has_them(board: Board, driven: DrivenCell):
+    ends = ends_of_variations(board, [driven.cell])
+    periods, faults = (stated(driven, "pi", name) for name in ("*.control_period", "plant.faults"))
+    for end, period in zip(ends["*.control_period"], PERIODS, strict=True):
+        assert end.text == f"{period:g}"
+        assert end.runs.tolist() == [[each == str(period) for each in periods]]
+    for end, has in zip(ends["motor_fault"], (False, True), strict=True):
+        assert end.runs.tolist() == [[("motor" in each) == has for each in faults]]
+
+
+def test_ends_of_a_range_are_its_thirds_in_what_is_driven(board: Board):
+    """Bounds that are drawn as such, by a factor on the car's own number, and as whole numbers."""
+    mass, noise, delay = "*.vehicle.mass", "plant.sensors.wheel_speed.noise", "plant.sensors.wheel_speed.delay"
+    varied = [Variation(mass, factor=[1.0, 1.3]), Variation(noise, value=[0.0, 0.3]), Variation(delay, count=[0, 2])]
+    many = replace(board, draws=300, variations=varied)
+    (cell,) = many.cells(STEP)
+    base = run_of(many, cell, values_of(many, cell)).configurations
+    values, ends = drawn(many, cell, base).values, ends_of_variations(many, [cell])
+    assert [[end.text for end in ends[name]] for name in (mass, noise, delay)] == [
+        ["1 to 1.1", "1.2 to 1.3"], ["0 to 0.1", "0.2 to 0.3"], ["0", "2"]
+    ]  # fmt: skip
+    of_car = base["plant"].values()["vehicle.mass"]
+    for name, numbers, steps in ((mass, np.array(values[mass]) / of_car - 1.0, 0.1), (noise, values[noise], 0.1)):
+        assert ends[name][0].runs.tolist() == [[each <= steps for each in numbers]]
+        assert ends[name][1].runs.tolist() == [[each >= 2.0 * steps for each in numbers]]
+    for end, count in zip(ends[delay], (0, 2), strict=True):
+        assert end.runs.tolist() == [[each == count for each in values[delay]]]
+    # A binomial distribution of a third of the draws, within four standard deviations.
+    assert all(abs(end.runs.sum() - 100) < 4 * np.sqrt(300 * 2 / 9) for pair in ends.values() for end in pair)
 
 
 def test_what_a_law_believes_is_its_own_factor_by_what_is_told(board: Board):

@@ -110,14 +110,13 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
 
 
 def _keep_full(root: Path, folder: Path) -> None:
-    from documentation.full_board import FILE, hold_against, kept_board, write_kept
+    from documentation.full_board import FILE, kept_board, write_kept
     from documentation.full_board_tables import IMAGE
     from documentation.images import save_image
     from ev_sim.benchmark.board import read_board
 
     try:
-        kept = kept_board(folder)
-        hold_against(kept, read_board("full"))
+        kept = kept_board(folder, read_board("full"))
         save_image(folder / "board.png", root / "docs" / "images" / f"{IMAGE}.png")
     except (OSError, EOFError, LookupError, ValueError) as problem:
         sys.exit(f"--full {folder}: {problem}, allowed is what `scripts/run.sh benchmark full --out DIR` leaves in DIR")

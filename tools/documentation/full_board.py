@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import gzip
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from itertools import groupby
 from pathlib import Path
@@ -22,6 +22,7 @@ from ev_sim.benchmark.board import COSTS, Board
 from ev_sim.benchmark.result import medians
 from ev_sim.benchmark.scores import interquartile_mean, tail_mean
 from ev_sim.benchmark.tables import DIGITS
+from ev_sim.benchmark.varied import ends_of_variations
 
 FILE = "docs/measured/benchmark_full.json"
 ABOUT = ("board", "version", "draws", "runs_driven", "hash", "versions")
@@ -29,13 +30,14 @@ _NO_METRICS = ("cell", "law", "draw", "unstable", "signal_hash", "command", "onc
 _FIGURES = 4  # that a number is kept with
 
 
-def kept_board(folder: Path) -> dict[str, Any]:
+def kept_board(folder: Path, declared: Board) -> dict[str, Any]:
     """What the repository keeps of a board that was driven: numbers of each law, in the order of `laws`.
 
-    ValueError if the runs are not those of the scores.
+    ValueError unless it was driven whole, as it is declared, and the runs are those of the scores.
     """
     board = json.loads((folder / "board.json").read_text(encoding="utf-8"))
     laws, cells = list(board["scores"]), {}
+    hold_against(board | {"laws": laws}, declared)
     costs: dict[str, list[np.ndarray]] = {cost: [] for cost in COSTS}
     unstable = []
     for cell, runs in _runs_of_cells(folder / "runs.jsonl.gz"):
@@ -60,11 +62,12 @@ def kept_board(folder: Path) -> dict[str, Any]:
         "best of each run": _best_of_each_run(costs, unstable),
         "recorded": _rounded(board["recorded"]),
         "where": dict(_by_group(list(cells), costs, unstable)),
+        "varied": _by_variation(declared, costs, unstable),
         "cells": cells,
     }
 
 
-def hold_against(kept: dict[str, Any], board: Board) -> None:
+def hold_against(kept: Mapping[str, Any], board: Board) -> None:
     """ValueError unless a board was driven whole: its name, version and draws, all laws and all cells."""
     whole = {
         "board": board.name,
@@ -119,6 +122,17 @@ def _by_group(
                 np.concatenate([of[n] for n in places], axis=1) for of in (*costs.values(), unstable)
             )
             yield name, _scored(handling, energy, lost)
+
+
+def _by_variation(
+    board: Board, costs: dict[str, list[np.ndarray]], unstable: list[np.ndarray]
+) -> dict[str, list[dict[str, Any]]]:
+    """By variation the scores of all laws over the runs at either end of what is drawn."""
+    handling, energy, lost = (np.stack(of, axis=1) for of in (*costs.values(), unstable))
+    return {
+        name: [{"with": end.text, **_scored(*(of[:, end.runs] for of in (handling, energy, lost)))} for end in ends]
+        for name, ends in ends_of_variations(board, board.cells()).items()
+    }
 
 
 def _best_of_each_run(costs: dict[str, list[np.ndarray]], unstable: list[np.ndarray]) -> dict[str, Any]:

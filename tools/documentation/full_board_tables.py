@@ -61,6 +61,17 @@ def energy_by_manoeuvre() -> str:
     return _by("energy", counted)
 
 
+def by_variation() -> str:
+    """Of each law the share of unstable runs at both ends of what varies [%], with what is drawn there in the head."""
+    varied = kept()["varied"]
+    heads = [f"{code(name)}: {' / '.join(end['with'] for end in ends)}" for name, ends in varied.items()]
+    rows = []
+    for i, law in enumerate(kept()["laws"]):
+        shares = [[f"{100.0 * end['unstable'][i]:.1f}" for end in ends] for ends in varied.values()]
+        rows.append([code(law), *map(" / ".join, shares)])
+    return table(("law", *heads), rows)
+
+
 def ends() -> str:
     """Of each law the cells in which its middle cost of handling is farthest below and above that of the reference."""
     rows, reference = [], kept()["laws"].index("equal_torque")
@@ -148,6 +159,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "full by car": by_car,
     "full handling by manoeuvre": handling_by_manoeuvre,
     "full energy by manoeuvre": energy_by_manoeuvre,
+    "full by variation": by_variation,
     "full entry speeds": entry_speeds,
     "full lap times": lap_times,
     "full times of 75 m": times_75,

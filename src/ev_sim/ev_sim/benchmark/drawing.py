@@ -8,7 +8,9 @@ from ev_sim.benchmark.distributions import COSTS_SHOWN
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.figures.panels import Axes, Curve, Panel, readable
 from ev_sim.figures.sheets import Sheet
-from ev_sim.figures.strokes import strokes_of
+from ev_sim.figures.strokes import DASHES, strokes_of
+
+MARKERS = dict(zip(DASHES, "osD^", strict=True))  # a point has no dashes to tell laws of one colour apart by
 
 
 def board_sheet(result: BoardResult) -> Sheet:
@@ -43,7 +45,9 @@ def _pareto(result: BoardResult) -> Panel:
         axes.plot(*front.T, drawstyle="steps-post", color="0.7", zorder=0)
         for law, e, h in zip(result.laws, energy, handling, strict=True):
             across, along = ([[of.value - of.low], [of.high - of.value]] for of in (h, e))
-            colour = strokes[readable(law)].colour
-            axes.errorbar(e.value, h.value, across, along, fmt="o", ms=3, color=colour)
+            colour, dashes = strokes[readable(law)]
+            how = {"color": colour, "marker": MARKERS[dashes], "ms": 3}
+            axes.errorbar(e.value, h.value, across, along, **how)
+            axes.plot([], [], linestyle=dashes, label=readable(law), **how)  # the legend has the line with its point
 
     return Panel("Handling over energy, Pareto front grey", "handling", ground=ground, xlabel="energy", shape=1.0)

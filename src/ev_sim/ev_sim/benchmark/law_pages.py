@@ -1,4 +1,4 @@
-"""A board in Markdown: its scores, and a page of each law: where it wins and breaks, and what it is made of."""
+"""A board in Markdown: its scores, and a page of each law: where and by what it wins and breaks, what it is made of."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from ev_sim.benchmark.tables import SCORE_COLUMNS, score_rows, short_id
 from ev_sim.report.tables import markdown_table
 
 PART_COLUMNS = ("where", "handling", "worst tenth", "energy", "unstable [%]", "best law there")
+VARIED_COLUMNS = ("what varies", *("runs with", "handling", "unstable [%]") * 2)
 CELL_COLUMNS = ("cell", "handling", "energy", "unstable [%]", "once more, its worst draw")
 ENDS = 3  # cells shown at each end
 _GROUPS: tuple[Callable[[Cell], str], ...] = (
@@ -41,6 +42,8 @@ def law_page(result: BoardResult, law: str, level: int = 2) -> str:
         f"{stated}.",
         _in_words(result, i),
         markdown_table(PART_COLUMNS, list(_parts(result, i))),
+        "Over all cells, by either end of what varies between the runs:",
+        markdown_table(VARIED_COLUMNS, list(_varied(result, i))),
         f"The cells with the least and the largest middle cost of handling beside `{result.board.reference}`:",
         markdown_table(CELL_COLUMNS, list(_ends(result, i))),
     ]
@@ -81,6 +84,18 @@ def _parts(result: BoardResult, i: int) -> Iterator[list[str]]:
             numbers = interquartile_mean(handling[i]), tail_mean(handling[i]), interquartile_mean(energy[i])
             unstable = 100.0 * result.unstable[i][places].mean()
             yield [name, *(f"{each:.2f}" for each in numbers), f"{unstable:.1f}", result.laws[best]]
+
+
+def _varied(result: BoardResult, i: int) -> Iterator[list[str]]:
+    for name, ends in result.ends.items():
+        texts = [f"`{name}`"]
+        for end in ends:
+            costs, unstable = result.costs["handling"][i][end.runs], result.unstable[i][end.runs]
+            numbers = (
+                [f"{interquartile_mean(costs):.2f}", f"{100.0 * unstable.mean():.1f}"] if costs.size else ["-"] * 2
+            )
+            texts += [end.text, *numbers]
+        yield texts
 
 
 def _ends(result: BoardResult, i: int) -> Iterator[list[str]]:

@@ -13,10 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ev_sim.benchmark.board import COSTS, Board, Cell
+from ev_sim.benchmark.cells.driving import DrivenCell
+from ev_sim.benchmark.cells.entry_speed import DRIVEN
 from ev_sim.benchmark.distributions import COSTS_SHOWN, Estimate, improvement, performance_profiles
-from ev_sim.benchmark.driving import DrivenCell
-from ev_sim.benchmark.entry_speed import DRIVEN
 from ev_sim.benchmark.scores import Score, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
+from ev_sim.benchmark.varied import End, ends_of_variations
 from ev_sim.command_line.options import command_of
 from ev_sim.measures.own_metrics import named_metrics
 
@@ -124,6 +125,11 @@ class BoardResult:
     def recorded(self) -> dict[str, np.ndarray]:
         """By name of what counts in no cost the median over all runs that have it, (laws,); NaN if none has."""
         return {name: medians(np.concatenate(of, axis=1)) for name, of in self._counted.recorded.items()}
+
+    @cached_property
+    def ends(self) -> dict[str, tuple[End, End]]:
+        """By variation the runs at either end of what is drawn."""
+        return ends_of_variations(self.board, self.places)
 
     def once_more(self, cell: int, law: int, draw: int) -> str:
         """The line that drives a run alone."""

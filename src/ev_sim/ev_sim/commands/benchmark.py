@@ -16,10 +16,10 @@ from ev_core.parameters.data_file import TEXT, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.benchmark.added import check_laws, with_added
 from ev_sim.benchmark.board import Board, Cell, read_board
+from ev_sim.benchmark.cells.driving import DrivenCell, drive_cell, drive_law, laws_in_cell
+from ev_sim.benchmark.cells.kept_cells import BROKEN, FOLDER, KeptCells
 from ev_sim.benchmark.drawing import board_sheet
-from ev_sim.benchmark.driving import DrivenCell, drive_cell, drive_law, laws_in_cell
 from ev_sim.benchmark.held_out import held_out
-from ev_sim.benchmark.kept_cells import BROKEN, FOLDER, KeptCells
 from ev_sim.benchmark.law_pages import law_page, overview
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.run_files import RUNS, write_runs

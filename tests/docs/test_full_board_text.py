@@ -1,0 +1,167 @@
+"""What the page of the full board says in words, against the numbers that were kept of it.
+
+Each claim computes its words, which have to stand in the page: a board that is driven anew shows which of them to write
+anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+import pytest
+
+from documentation.full_board import kept
+from documentation.full_board_tables import PAGE
+from ev_sim.benchmark.tables import EQUAL
+
+TEXT = " ".join((Path(__file__).parents[2] / PAGE).read_text(encoding="utf-8").split())
+YAW_RATE = ("pi", "lqr", "predictive", "sliding_mode", "super_twisting", "suboptimal")  # without more beside it
+FURTHER = ("pi_least_squares", "pi_least_loss", "lqr_least_squares", "pi_with_traction_control")
+BY_SENSORS = (*YAW_RATE, *FURTHER)  # and without brakes, to a designed understeer
+KNOWING_ALL = ("lqr_all_known", "all_known_neutral")
+WITH_BRAKES = ("abs_by_drives", "stability_by_drives", "pi_with_abs")
+OF_YAW_RATE = (*BY_SENSORS, *KNOWING_ALL, "pi_neutral", "stability_by_drives", "pi_with_abs")
+FOUR_MOTORS = ("layout_1_8_c:all", "mixed_motors:all", "racing_car:all")
+CARS = tuple(name for name in kept()["where"] if name.count(":") == 1)
+VARIED = kept()["varied"]
+
+
+def score(law: str, name: str) -> float:
+    return kept()["scores"][law][name]["value"]
+
+
+def lost(law: str) -> float:
+    """Of all runs [%]."""
+    return 100.0 * kept()["scores"][law]["unstable"]
+
+
+def at(cell: str, law: str, name: str) -> float:
+    """A number of a law in a cell or a group of cells."""
+    found = kept()["where"].get(cell) or kept()["cells"][f"{cell}:*:v{kept()['version']}"]
+    return (found.get(name) or found["medians"][name])[kept()["laws"].index(law)]
+
+
+def varied(name: str, law: str, of: str = "unstable") -> list[float]:
+    """At both ends of what varies."""
+    return [end[of][kept()["laws"].index(law)] for end in VARIED[name]]
+
+
+def percent(share: float, digits: int = 1) -> str:
+    return f"{100.0 * share:.{digits}f}"
+
+
+def span(values: Iterable[float], digits: int) -> str:
+    found = [*values]
+    return f"{min(found):.{digits}f} to {max(found):.{digits}f}"
+
+
+def lap(law: str, cars: Sequence[str] = CARS) -> list[float]:
+    """By what share a law takes less time than equal torques."""
+    cells = [f"{car}:lap:dry" for car in cars]
+    return [100.0 * (1.0 - at(cell, law, "lap_time") / at(cell, "equal_torque", "lap_time")) for cell in cells]
+
+
+def widest(of: str, laws: Iterable[str], names: Iterable[str] = tuple(VARIED)) -> float:
+    """The largest difference between both ends."""
+    return max(abs(ends[0] - ends[1]) for law in laws for ends in (varied(name, law, of) for name in names))
+
+
+def won_elsewhere() -> list[str]:
+    """The cells in which a law without brakes and traction control has less than both that know all."""
+    laws, found = kept()["laws"], []
+    for cell, of in kept()["cells"].items():
+        costs = dict(zip(laws, of["handling"], strict=True))
+        least = min(cost for law, cost in costs.items() if law not in WITH_BRAKES and "traction" not in law)
+        if least < min(costs[law] for law in KNOWING_ALL) - EQUAL:
+            found.append(cell)
+    return found
+
+
+RAMP = "compact_ev:rear:slow_ramp:wet"
+TOLD, DELAY, FAULT = "told_friction", "plant.sensors.imu_yaw_rate.delay", "motor_fault"
+FELT_LITTLE = ("mass", "yaw_inertia", "noise", "control_period")
+UNFELT = [name for name in VARIED if name == TOLD or "sensors" in name]  # by equal torques
+BEST = kept()["best of each run"]
+RUNS = len(kept()["cells"]) * kept()["draws"]
+CLAIMS: list[Callable[[], str]] = [
+    lambda: (
+        f"`equal_torque`, 1 by definition, loses {lost('equal_torque'):.1f} % of the runs, and only "
+        f"`load_proportional` loses clearly more ({lost('load_proportional'):.1f} %)"
+    ),
+    lambda: f"`all_known_neutral` ({score('all_known_neutral', 'handling'):.3f})",
+    lambda: f"`stability_by_drives` ({score('stability_by_drives', 'handling'):.3f})",
+    lambda: f"it does not bound the others ({at('compact_ev:rear', 'all_known_neutral', 'handling'):.2f})",
+    lambda: f"understeer ({score('lqr_all_known', 'worst tenth'):.3f}, {score('lqr_all_known', 'energy'):.3f})",
+    lambda: (
+        f"worst tenth {BEST['worst tenth']:.3f}, no car lost, handling {BEST['handling']:.3f} or, by another "
+        f"choice, energy {BEST['energy']:.3f}"
+    ),
+    lambda: f"In {len(won_elsewhere())} of {len(kept()['cells'])} another law without brakes and traction control",
+    lambda: f"{sum('launch' in each or 'acceleration' in each for each in won_elsewhere())} of these are 75 m",
+    lambda: f"loses {round(lost('stability_by_drives') * RUNS / 100)} of {RUNS // 1000} {RUNS % 1000} runs",
+    lambda: (
+        f"{span(map(lost, BY_SENSORS), 1)} % of the runs are unstable with it, {lost('equal_torque'):.1f} % "
+        f"with equal torques, but the middle of handling is "
+        f"{span((100.0 * score(law, 'handling') - 100.0 for law in BY_SENSORS), 0)} % worse"
+    ),
+    lambda: (
+        f"`pi_neutral` costs {span((at(car, 'pi_neutral', 'handling') for car in FOUR_MOTORS), 2)} with four "
+        f"motors, `pi` {span((at(car, 'pi', 'handling') for car in FOUR_MOTORS), 2)}. With the rear drive it costs "
+        f"{at('compact_ev:rear', 'pi_neutral', 'handling'):.2f} and loses "
+        f"{percent(at('compact_ev:rear', 'pi_neutral', 'unstable'), 0)} % of the runs, `pi` "
+        f"{at('compact_ev:rear', 'pi', 'handling'):.2f} and {percent(at('compact_ev:rear', 'pi', 'unstable'), 0)} %"
+    ),
+    lambda: (
+        f"{span((100.0 * at(RAMP, law, 'unstable') for law in YAW_RATE), 0)} % of the runs are lost with `pi`, `lqr`, "
+        f"`predictive` and the sliding modes, {percent(at(RAMP, 'equal_torque', 'unstable'))} % with equal torques"
+    ),
+    lambda: (
+        f"`lqr` and `predictive` cost {at('racing_car:all', 'lqr', 'handling'):.2f} and "
+        f"{at('racing_car:all', 'predictive', 'handling'):.2f} on `racing_car`, with laps of "
+        f"{at('racing_car:all:lap:dry', 'lqr', 'lap_time'):.0f} and "
+        f"{at('racing_car:all:lap:dry', 'predictive', 'lap_time'):.0f} s for "
+        f"{at('racing_car:all:lap:dry', 'equal_torque', 'lap_time'):.0f} s"
+    ),
+    lambda: (
+        f"`pi` loses {percent(varied(TOLD, 'pi')[0])} % of the runs, `lqr` {percent(varied(TOLD, 'lqr')[0])} % "
+        f"and `all_known_neutral` {percent(varied(TOLD, 'all_known_neutral')[0])} %; with 1.17 to 1.5 they lose "
+        f"{percent(varied(TOLD, 'pi')[1])}, {percent(varied(TOLD, 'lqr')[1])} and "
+        f"{percent(varied(TOLD, 'all_known_neutral')[1])} %"
+    ),
+    lambda: (
+        f"`lqr` and `predictive` lose {percent(varied(DELAY, 'lqr')[0])} and "
+        f"{percent(varied(DELAY, 'predictive')[0])} % of the runs without a delay, "
+        f"{percent(varied(DELAY, 'lqr')[1])} and {percent(varied(DELAY, 'predictive')[1])} % with one of two periods"
+    ),
+    lambda: f"A weak motor** adds up to {percent(widest('unstable', OF_YAW_RATE, [FAULT]))} points",
+    lambda: f"that of energy by {widest('energy', KNOWING_ALL, [TOLD]):.2f} where the laws that know all",
+    lambda: (
+        f"(dry: {at('layout_1_8_c:all:double_lane_change:dry', 'pi_neutral', 'entry_speed'):.1f} m/s for "
+        f"{at('layout_1_8_c:all:double_lane_change:dry', 'equal_torque', 'entry_speed'):.1f} with `layout_1_8_c`)"
+    ),
+    lambda: f"takes {span((*lap('load_proportional'),), 0)} % off the time on all five cars",
+    lambda: f"`pi` takes {span(lap('pi', CARS[1:]), 0)} % off on four, and is {-lap('pi')[0]:.0f} % slower",
+]
+
+
+@pytest.mark.parametrize("claim", CLAIMS)
+def test_words_of_the_page_have_the_numbers_of_the_board(claim: Callable[[], str]):
+    assert claim() in TEXT
+
+
+def test_bounds_that_the_page_names():
+    """Each with the words that it has there."""
+    laws, ranks = kept()["laws"], {law: of["handling"]["rank"] for law, of in kept()["scores"].items()}
+    felt_little = [name for name in VARIED if name.rpartition(".")[2] in FELT_LITTLE]
+    others = [name for name in VARIED if name != TOLD]
+    bounds = {
+        "eleven are worse there beyond the noise": sum(each > ranks["equal_torque"] for each in ranks.values()) == 11,
+        "Over all cells no law is better, not even with brakes": ranks["all_known_neutral"] == 1,
+        "no law of a yaw rate by more than 0.7 points": widest("unstable", OF_YAW_RATE, felt_little) < 0.0075,
+        "The middle of handling differs by less than 0.02": widest("handling", laws, [TOLD]) < 0.02,
+        "the middle cost of handling differs by at most 0.05 with any law": widest("handling", laws) < 0.05,
+        "else by at most 0.09": widest("energy", laws, others) < 0.09,
+        "(up to 0.8 points of 12.7 %)": widest("unstable", ["equal_torque"], UNFELT) < 0.0085,
+    }
+    assert [words for words, holds in bounds.items() if not holds or words not in TEXT] == []
