@@ -18,7 +18,7 @@ from ev_sim.benchmark.cells.cell_runs import law_of, run_of, values_of
 from ev_sim.benchmark.cells.draws import drawn, own_draws
 from ev_sim.benchmark.cells.driving import DrivenCell, drive_cell, laws_in_cell
 from ev_sim.benchmark.cells.kept_cells import KeptCells
-from ev_sim.benchmark.varied import ends_of_variations
+from ev_sim.benchmark.varied import End, differences, ends_of_variations
 from ev_sim.commands.run_scenario import main
 
 PERIODS = [0.005, 0.02]
@@ -120,6 +120,31 @@ def test_ends_of_a_range_are_its_thirds_in_what_is_driven(board: Board):
         assert end.runs.tolist() == [[each == count for each in values[delay]]]
     # A binomial distribution of a third of the draws, within four standard deviations.
     assert all(abs(end.runs.sum() - 100) < 4 * np.sqrt(300 * 2 / 9) for pair in ends.values() for end in pair)
+
+
+def test_differences_are_found_within_cells_and_are_as_sure_as_they_say():
+    """Cells cost much more or less than others, and have more runs at one end by chance; an effect of 0.3 is found.
+
+    95 % of 400 boards within three standard deviations of a binomial distribution.
+    """
+    random, effect, cells, draws = np.random.default_rng(1), 0.3, 12, 10
+    held = 0
+    for _ in range(400):
+        of_cells = 3.0 * random.random((cells, 1))
+        least, greatest = (place == random.integers(3, size=(cells, draws)) for place in (0, 1))
+        greatest &= ~least
+        values = of_cells + effect * greatest + 0.5 * random.standard_normal((2, cells, draws))
+        found = differences(values, (End("", least), End("", greatest)))[1]
+        held += abs(found.value - effect) <= found.half
+    assert abs(held - 380) < 3 * np.sqrt(400 * 0.95 * 0.05)
+    exact = differences(np.array([of_cells + effect * greatest]), (End("", least), End("", greatest)))[0]
+    assert exact == pytest.approx((effect, 0.0), abs=1e-12)
+
+
+def test_too_few_runs_make_no_difference():
+    least = np.array([[True, False]])
+    (found,) = differences(np.zeros((1, 1, 2)), (End("", least), End("", ~least)))
+    assert np.isnan(found).all() and not found.is_beyond_noise
 
 
 def test_what_a_law_believes_is_its_own_factor_by_what_is_told(board: Board):

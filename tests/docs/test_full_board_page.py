@@ -91,6 +91,10 @@ def test_what_is_kept_are_the_numbers_of_the_runs(folder: Path, few: Board, resu
     for name, scores in result.scores.items():
         assert [found["scores"][law][name]["rank"] for law in result.laws] == [each.rank for each in scores]
         assert found["where"]["compact_ev:rear"][name] == pytest.approx([each.value for each in scores], rel=5e-4)
+    for name, pairs in found["varied"].items():
+        assert pairs["ends"] == [end.text for end in result.ends[name]]
+        for of in ("handling", "energy", "unstable"):
+            assert pairs[of] == [pytest.approx(each, rel=5e-4) for each in result.differences[of][name]]
     best = {cost: float(interquartile_mean(of.min(axis=0).ravel())) for cost, of in result.costs.items()}
     assert {cost: found["best of each run"][cost] for cost in best} == pytest.approx(best, rel=5e-4)
 

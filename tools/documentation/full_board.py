@@ -22,7 +22,7 @@ from ev_sim.benchmark.board import COSTS, Board
 from ev_sim.benchmark.result import medians
 from ev_sim.benchmark.scores import interquartile_mean, tail_mean
 from ev_sim.benchmark.tables import DIGITS
-from ev_sim.benchmark.varied import ends_of_variations
+from ev_sim.benchmark.varied import differences, ends_of_variations
 
 FILE = "docs/measured/benchmark_full.json"
 ABOUT = ("board", "version", "draws", "runs_driven", "hash", "versions")
@@ -126,11 +126,12 @@ def _by_group(
 
 def _by_variation(
     board: Board, costs: dict[str, list[np.ndarray]], unstable: list[np.ndarray]
-) -> dict[str, list[dict[str, Any]]]:
-    """By variation the scores of all laws over the runs at either end of what is drawn."""
-    handling, energy, lost = (np.stack(of, axis=1) for of in (*costs.values(), unstable))
+) -> dict[str, dict[str, Any]]:
+    """By variation what is drawn at both ends, and of each law how they differ, with half the interval."""
+    stacked = {name: np.stack(of, axis=1) for name, of in {**costs, "unstable": unstable}.items()}
     return {
-        name: [{"with": end.text, **_scored(*(of[:, end.runs] for of in (handling, energy, lost)))} for end in ends]
+        name: {"ends": [end.text for end in ends]}
+        | {of: [_rounded(list(each)) for each in differences(values, ends)] for of, values in stacked.items()}
         for name, ends in ends_of_variations(board, board.cells()).items()
     }
 

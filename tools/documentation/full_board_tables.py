@@ -11,6 +11,7 @@ from documentation.markdown import code, table
 from ev_sim.benchmark.board import COSTS
 from ev_sim.benchmark.scores import Score
 from ev_sim.benchmark.tables import CELL_COLUMNS, EQUAL, SCORE_COLUMNS, in_words
+from ev_sim.benchmark.varied import Difference
 
 PAGE = "docs/benchmark_full.md"
 IMAGE = "benchmark_full"
@@ -61,15 +62,14 @@ def energy_by_manoeuvre() -> str:
     return _by("energy", counted)
 
 
-def by_variation() -> str:
-    """Of each law the share of unstable runs at both ends of what varies [%], with what is drawn there in the head."""
-    varied = kept()["varied"]
-    heads = [f"{code(name)}: {' / '.join(end['with'] for end in ends)}" for name, ends in varied.items()]
-    rows = []
-    for i, law in enumerate(kept()["laws"]):
-        shares = [[f"{100.0 * end['unstable'][i]:.1f}" for end in ends] for ends in varied.values()]
-        rows.append([code(law), *map(" / ".join, shares)])
-    return table(("law", *heads), rows)
+def handling_by_variation() -> str:
+    """Of each law by how much the mean cost of handling is higher at the greater end of what varies."""
+    return _by_variation("handling", 1.0, 3)
+
+
+def unstable_by_variation() -> str:
+    """Likewise of unstable runs, in points of a percentage."""
+    return _by_variation("unstable", 100.0, 1)
 
 
 def ends() -> str:
@@ -128,6 +128,20 @@ def _by(cost: str, names: Sequence[str], with_unstable: bool = False) -> str:
     return table(("law", *names), rows)
 
 
+def _by_variation(name: str, scale: float, digits: int) -> str:
+    """A row for each law, a column for each variation, with what is drawn at its ends in the head."""
+    varied = kept()["varied"]
+    heads = [f"{code(variation)}: {' / '.join(of['ends'])}" for variation, of in varied.items()]
+    rows = []
+    for i, law in enumerate(kept()["laws"]):
+        found = [Difference(*of[name][i]) for of in varied.values()]
+        texts = [f"{scale * of.value:+.{digits}f} ± {scale * of.half:.{digits}f}" for of in found]
+        rows.append(
+            [code(law), *(text if of.is_beyond_noise else "tied" for text, of in zip(texts, found, strict=True))]
+        )
+    return table(("law", *heads), rows)
+
+
 def _end(cell: str, law: int, reference: int) -> str:
     of = kept()["cells"][cell]
     lost = [100.0 * of["unstable"][i] for i in (law, reference)]
@@ -159,7 +173,8 @@ PARTS: dict[str, Callable[[], str]] = {
     "full by car": by_car,
     "full handling by manoeuvre": handling_by_manoeuvre,
     "full energy by manoeuvre": energy_by_manoeuvre,
-    "full by variation": by_variation,
+    "full unstable by variation": unstable_by_variation,
+    "full handling by variation": handling_by_variation,
     "full entry speeds": entry_speeds,
     "full lap times": lap_times,
     "full times of 75 m": times_75,

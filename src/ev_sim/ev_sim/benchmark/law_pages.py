@@ -11,10 +11,11 @@ from ev_sim.benchmark.drawing import undominated
 from ev_sim.benchmark.result import BoardResult
 from ev_sim.benchmark.scores import interquartile_mean, tail_mean
 from ev_sim.benchmark.tables import SCORE_COLUMNS, score_rows, short_id
+from ev_sim.benchmark.varied import Difference
 from ev_sim.report.tables import markdown_table
 
 PART_COLUMNS = ("where", "handling", "worst tenth", "energy", "unstable [%]", "best law there")
-VARIED_COLUMNS = ("what varies", *("runs with", "handling", "unstable [%]") * 2)
+VARIED_COLUMNS = ("what varies", "least", "greatest", "mean handling", "unstable [points]")
 CELL_COLUMNS = ("cell", "handling", "energy", "unstable [%]", "once more, its worst draw")
 ENDS = 3  # cells shown at each end
 _GROUPS: tuple[Callable[[Cell], str], ...] = (
@@ -42,7 +43,7 @@ def law_page(result: BoardResult, law: str, level: int = 2) -> str:
         f"{stated}.",
         _in_words(result, i),
         markdown_table(PART_COLUMNS, list(_parts(result, i))),
-        "Over all cells, by either end of what varies between the runs:",
+        "What varies: by how much runs with the greatest cost more, and are more unstable, than those with the least:",
         markdown_table(VARIED_COLUMNS, list(_varied(result, i))),
         f"The cells with the least and the largest middle cost of handling beside `{result.board.reference}`:",
         markdown_table(CELL_COLUMNS, list(_ends(result, i))),
@@ -88,14 +89,15 @@ def _parts(result: BoardResult, i: int) -> Iterator[list[str]]:
 
 def _varied(result: BoardResult, i: int) -> Iterator[list[str]]:
     for name, ends in result.ends.items():
-        texts = [f"`{name}`"]
-        for end in ends:
-            costs, unstable = result.costs["handling"][i][end.runs], result.unstable[i][end.runs]
-            numbers = (
-                [f"{interquartile_mean(costs):.2f}", f"{100.0 * unstable.mean():.1f}"] if costs.size else ["-"] * 2
-            )
-            texts += [end.text, *numbers]
-        yield texts
+        handling, unstable = result.differences["handling"][name][i], result.differences["unstable"][name][i]
+        yield [f"`{name}`", *(end.text for end in ends), _more(handling, 1.0, 2), _more(unstable, 100.0, 1)]
+
+
+def _more(of: Difference, scale: float, digits: int) -> str:
+    """With its interval; a dash of too few runs."""
+    value, half = scale * of.value, scale * of.half
+    low, high = (f"{each:+.{digits}f}" for each in (value - half, value + half))
+    return "-" if np.isnan(value) else f"{value:+.{digits}f} [{low}, {high}]"
 
 
 def _ends(result: BoardResult, i: int) -> Iterator[list[str]]:

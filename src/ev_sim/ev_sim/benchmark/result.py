@@ -17,7 +17,7 @@ from ev_sim.benchmark.cells.driving import DrivenCell
 from ev_sim.benchmark.cells.entry_speed import DRIVEN
 from ev_sim.benchmark.distributions import COSTS_SHOWN, Estimate, improvement, performance_profiles
 from ev_sim.benchmark.scores import Score, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
-from ev_sim.benchmark.varied import End, ends_of_variations
+from ev_sim.benchmark.varied import Difference, End, differences, ends_of_variations
 from ev_sim.command_line.options import command_of
 from ev_sim.measures.own_metrics import named_metrics
 
@@ -128,8 +128,14 @@ class BoardResult:
 
     @cached_property
     def ends(self) -> dict[str, tuple[End, End]]:
-        """By variation the runs at either end of what is drawn."""
+        """By variation the runs at both ends of what is drawn."""
         return ends_of_variations(self.board, self.places)
+
+    @cached_property
+    def differences(self) -> dict[str, dict[str, list[Difference]]]:
+        """By cost, or `unstable`, and variation of each law how both ends differ."""
+        counted = {**self.costs, "unstable": self.unstable}
+        return {of: {name: differences(each, ends) for name, ends in self.ends.items()} for of, each in counted.items()}
 
     def once_more(self, cell: int, law: int, draw: int) -> str:
         """The line that drives a run alone."""
