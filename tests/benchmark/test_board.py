@@ -13,11 +13,11 @@ import pytest
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.cells.cell_runs import run_of, values_of
-from ev_sim.benchmark.cells.draws import drawn
-from ev_sim.benchmark.cells.driving import drive_cell
-from ev_sim.benchmark.result import BoardResult
-from ev_sim.benchmark.tables import closed_division, law_rows, score_rows
+from ev_sim.benchmark.cell_runs import run_of, values_of
+from ev_sim.benchmark.draws import drawn
+from ev_sim.benchmark.driving import drive_cell
+from ev_sim.benchmark.ranking.result import BoardResult
+from ev_sim.benchmark.ranking.tables import closed_division, law_rows, score_rows
 from ev_sim.command_line.options import arguments, overrides
 from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.commands.run_scenario import main

@@ -14,11 +14,11 @@ import pytest
 from schedulers import scheduler_with_two_workers
 
 from ev_core.parameters.data_file import files_in_config
+from ev_sim.benchmark import kept_cells
 from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.cells import kept_cells
-from ev_sim.benchmark.cells.driving import DrivenCell, drive_cell
-from ev_sim.benchmark.cells.kept_cells import KeptCells
-from ev_sim.benchmark.result import BoardResult
+from ev_sim.benchmark.driving import DrivenCell, drive_cell
+from ev_sim.benchmark.kept_cells import KeptCells
+from ev_sim.benchmark.ranking.result import BoardResult
 from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.recording.outcome import RunFailed
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ev_sim.benchmark.scores import LARGEST, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
+from ev_sim.benchmark.ranking.scores import LARGEST, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
 
 NONE_UNSTABLE = np.zeros((2, 3), bool)
 SCALES = {"peak_sideslip": 0.01}

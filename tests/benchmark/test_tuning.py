@@ -13,8 +13,8 @@ import pytest
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.cells.cell_runs import law_of, run_of, values_of
-from ev_sim.benchmark.cells.driving import drive_cell
+from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
+from ev_sim.benchmark.driving import drive_cell
 from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.commands.tune import run_tune, search_key
 from ev_sim.tuning.free import Free, free_parameters

@@ -14,11 +14,11 @@ import yaml
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import TOLD_FRICTION, Board, Variation, read_board
-from ev_sim.benchmark.cells.cell_runs import law_of, run_of, values_of
-from ev_sim.benchmark.cells.draws import drawn, own_draws
-from ev_sim.benchmark.cells.driving import DrivenCell, drive_cell, laws_in_cell
-from ev_sim.benchmark.cells.kept_cells import KeptCells
-from ev_sim.benchmark.varied import End, differences, ends_of_variations
+from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
+from ev_sim.benchmark.draws import drawn, own_draws
+from ev_sim.benchmark.driving import DrivenCell, drive_cell, laws_in_cell
+from ev_sim.benchmark.kept_cells import KeptCells
+from ev_sim.benchmark.ranking.varied import End, differences, ends_of_variations
 from ev_sim.commands.run_scenario import main
 
 PERIODS = [0.005, 0.02]

@@ -15,13 +15,13 @@ from documentation.__main__ import main
 from documentation.full_board import hold_against, kept, kept_board, write_kept
 from documentation.full_board_tables import PAGE, PARTS
 from documentation.markdown import block_names
-from ev_sim.benchmark import run_files
 from ev_sim.benchmark.board import Board, read_board
-from ev_sim.benchmark.cells.driving import drive_law, laws_in_cell
-from ev_sim.benchmark.cells.entry_speed import HASH
-from ev_sim.benchmark.result import BoardResult
-from ev_sim.benchmark.scores import interquartile_mean
-from ev_sim.benchmark.tables import DIGITS
+from ev_sim.benchmark.driving import drive_law, laws_in_cell
+from ev_sim.benchmark.entry_speed import HASH
+from ev_sim.benchmark.ranking import run_files
+from ev_sim.benchmark.ranking.result import BoardResult
+from ev_sim.benchmark.ranking.scores import interquartile_mean
+from ev_sim.benchmark.ranking.tables import DIGITS
 from ev_sim.commands.benchmark import drive_board
 from ev_sim.recording.recording import combined_hash
 

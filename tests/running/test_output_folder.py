@@ -17,7 +17,8 @@ import ev_sim
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands import ev_stack
 from ev_sim.recording.recording import OF_ALL_RUNS, atomic_file
-from ev_sim.running.output_folder import MANIFEST, OutputFolder, read_manifest, write_manifest
+from ev_sim.running.folder_content import MANIFEST, read_manifest, write_manifest
+from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.scenario import Run
 
 # Empty ones of these names are as good as ours; below them they are his.

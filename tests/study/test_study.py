@@ -18,7 +18,8 @@ from schedulers import free_port, process, scheduler_with_two_workers, wait_for_
 from ev_core.parameters.data_file import files_in_config
 from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.recording.outcome import RunFailed
-from ev_sim.running.output_folder import OutputFolder, digest_of
+from ev_sim.running.folder_content import digest_of
+from ev_sim.running.output_folder import OutputFolder
 from ev_sim.study.run_study import arguments
 from ev_sim.study.study import Case, drive_case
 from ev_sim.study.workers import drive_cases, refuse_other_files, refuse_others
@@ -114,7 +115,8 @@ def test_a_disk_that_is_full_ends_the_study():
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from ev_sim.running.output_folder import OutputFolder, digest_of
+from ev_sim.running.folder_content import digest_of
+from ev_sim.running.output_folder import OutputFolder
 from ev_sim.study.study import Case
 from ev_sim.study.workers import drive_cases
 

@@ -15,7 +15,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.recording.recording import load, signal_hash
 from ev_sim.report.tables import write_tables
-from ev_sim.running.output_folder import read_manifest, write_manifest
+from ev_sim.running.folder_content import read_manifest, write_manifest
 from ev_sim.study import sweep
 from ev_sim.study.run_study import arguments
 from ev_sim.study.study import drive_case

@@ -16,7 +16,7 @@ from judging import drive_here
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.recording.outcome import RunFailed
-from ev_sim.running.output_folder import locked
+from ev_sim.running.folder_content import locked
 from ev_sim.study.study import CaseResult, drive_case
 from ev_sim.verdicts.need import Kept, ScenarioNeed, StudyNeed, cases_of, drive
 

@@ -62,7 +62,7 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
 
     from documentation import results, scenario_results
     from documentation.images import save_small
-    from ev_sim.benchmark.drawing import board_sheet
+    from ev_sim.benchmark.ranking.drawing import board_sheet
 
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)

@@ -16,12 +16,12 @@ from ev_core.parameters.data_file import find_in_config
 from ev_core.parameters.declaration import flatten
 from ev_sim.benchmark.added import with_added
 from ev_sim.benchmark.board import Board, read_board
-from ev_sim.benchmark.cells.cell_runs import law_of, run_of, values_of
+from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
 from ev_sim.benchmark.held_out import held_out
-from ev_sim.benchmark.law_pages import law_page
-from ev_sim.benchmark.result import BoardResult
-from ev_sim.benchmark.scores import difference, interquartile_mean, tail_mean
-from ev_sim.benchmark.tables import (
+from ev_sim.benchmark.ranking.law_pages import law_page
+from ev_sim.benchmark.ranking.result import BoardResult
+from ev_sim.benchmark.ranking.scores import difference, interquartile_mean, tail_mean
+from ev_sim.benchmark.ranking.tables import (
     CELL_COLUMNS,
     LAW_COLUMNS,
     SCORE_COLUMNS,

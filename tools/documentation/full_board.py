@@ -19,10 +19,10 @@ import numpy as np
 
 from ev_msgs_py.refusal import shown
 from ev_sim.benchmark.board import COSTS, Board
-from ev_sim.benchmark.result import medians
-from ev_sim.benchmark.scores import interquartile_mean, tail_mean
-from ev_sim.benchmark.tables import DIGITS
-from ev_sim.benchmark.varied import differences, ends_of_variations
+from ev_sim.benchmark.ranking.result import medians
+from ev_sim.benchmark.ranking.scores import interquartile_mean, tail_mean
+from ev_sim.benchmark.ranking.tables import DIGITS
+from ev_sim.benchmark.ranking.varied import differences, ends_of_variations
 
 FILE = "docs/measured/benchmark_full.json"
 ABOUT = ("board", "version", "draws", "runs_driven", "hash", "versions")

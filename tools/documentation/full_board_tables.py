@@ -9,9 +9,9 @@ import numpy as np
 from documentation.full_board import kept
 from documentation.markdown import code, table
 from ev_sim.benchmark.board import COSTS
-from ev_sim.benchmark.scores import Score
-from ev_sim.benchmark.tables import CELL_COLUMNS, EQUAL, SCORE_COLUMNS, in_words
-from ev_sim.benchmark.varied import Difference
+from ev_sim.benchmark.ranking.scores import Score
+from ev_sim.benchmark.ranking.tables import CELL_COLUMNS, EQUAL, SCORE_COLUMNS, in_words
+from ev_sim.benchmark.ranking.varied import Difference
 
 PAGE = "docs/benchmark_full.md"
 IMAGE = "benchmark_full"

@@ -1,1 +1,1 @@
-"""The benchmark of torque control: boards, seeded draws, runs in batches, costs, ranks (docs/benchmark.md)."""
+"""The benchmark of torque control: boards, seeded draws, runs in batches, kept on disk (docs/benchmark.md)."""

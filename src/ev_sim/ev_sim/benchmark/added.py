@@ -28,8 +28,8 @@ from ev_sim.benchmark.board import (
     Variation,
     by_role,
 )
-from ev_sim.benchmark.cells.cell_runs import law_of, run_of, values_of
-from ev_sim.benchmark.cells.draws import BELIEF, value_in
+from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
+from ev_sim.benchmark.draws import BELIEF, value_in
 from ev_sim.scenarios.about import NAMESPACE, configured_file
 from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.scenario import Run

@@ -15,7 +15,7 @@ from ev_core.lockstep.run import GraphRun
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.benchmark.board import Board, Cell, by_role
-from ev_sim.benchmark.cells.cell_runs import law_of, run_of, values_of
+from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
 
 REPETITIONS = 9
 

@@ -16,15 +16,15 @@ from ev_core.parameters.data_file import TEXT, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.benchmark.added import check_laws, with_added
 from ev_sim.benchmark.board import Board, Cell, read_board
-from ev_sim.benchmark.cells.driving import DrivenCell, drive_cell, drive_law, laws_in_cell
-from ev_sim.benchmark.cells.kept_cells import BROKEN, FOLDER, KeptCells
-from ev_sim.benchmark.drawing import board_sheet
+from ev_sim.benchmark.driving import DrivenCell, drive_cell, drive_law, laws_in_cell
 from ev_sim.benchmark.held_out import held_out
-from ev_sim.benchmark.law_pages import law_page, overview
-from ev_sim.benchmark.result import BoardResult
-from ev_sim.benchmark.run_files import RUNS, write_runs
+from ev_sim.benchmark.kept_cells import BROKEN, FOLDER, KeptCells
+from ev_sim.benchmark.ranking.drawing import board_sheet
+from ev_sim.benchmark.ranking.law_pages import law_page, overview
+from ev_sim.benchmark.ranking.result import BoardResult
+from ev_sim.benchmark.ranking.run_files import RUNS, write_runs
+from ev_sim.benchmark.ranking.tables import CELL_COLUMNS, SCORE_COLUMNS, cell_rows, closed_division, score_rows
 from ev_sim.benchmark.step_times import step_times
-from ev_sim.benchmark.tables import CELL_COLUMNS, SCORE_COLUMNS, cell_rows, closed_division, score_rows
 from ev_sim.command_line.options import arguments, command_of
 from ev_sim.command_line.refusal import Parser
 from ev_sim.commands.drive_scenario import drive_scenario

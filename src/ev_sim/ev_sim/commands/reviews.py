@@ -31,8 +31,9 @@ from ev_sim.replay.recorded import find_recorded
 from ev_sim.report.page.writing import Page, Signals, write_page
 from ev_sim.report.tables import WIDTH_OF_A_PIPE
 from ev_sim.running.beforehand import compile_for
+from ev_sim.running.folder_content import stays_within
 from ev_sim.running.offline import run_offline_into
-from ev_sim.running.output_folder import OutputFolder, stays_within
+from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, CaseResult, Measure
 from ev_sim.study.workers import drive_cases

@@ -14,9 +14,9 @@ from pathlib import Path
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.added import check_laws, with_added
 from ev_sim.benchmark.board import COSTS, Board, by_role, read_board
-from ev_sim.benchmark.cells.cell_runs import law_of, run_of, values_of
-from ev_sim.benchmark.cells.kept_cells import KeptCells
+from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
 from ev_sim.benchmark.held_out import with_cases
+from ev_sim.benchmark.kept_cells import KeptCells
 from ev_sim.command_line.options import command_of
 from ev_sim.command_line.refusal import Parser
 from ev_sim.measured.journal import Journal

@@ -22,7 +22,7 @@ from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.summary import versions
 from ev_sim.running.beforehand import compile_for
 from ev_sim.running.children import Worker, WorkerLost
-from ev_sim.running.output_folder import digest_of
+from ev_sim.running.folder_content import digest_of
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.kept_rows import digest_of_sources
 from ev_sim.study.study import Case, CaseResult, Measure, drive_case, run_of

@@ -11,7 +11,7 @@ from ev_core.lockstep.configuration import Configuration
 from ev_core.parameters.declaration import entries
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.benchmark.board import ROLE
-from ev_sim.benchmark.cells.draws import BELIEF
+from ev_sim.benchmark.draws import BELIEF
 
 REACH = 2.0  # decades either way of a positive start, within the declared bounds
 

@@ -9,8 +9,8 @@ import numpy as np
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.by_period import batch_by_period
 from ev_sim.benchmark.board import Board, Cell, by_role
-from ev_sim.benchmark.cells.driving import DrivenCell, LawInCell, drive_cell, laws_in_cell
-from ev_sim.benchmark.scores import LARGEST, WORST, costs_of, interquartile_mean, tail_mean
+from ev_sim.benchmark.driving import DrivenCell, LawInCell, drive_cell, laws_in_cell
+from ev_sim.benchmark.ranking.scores import LARGEST, WORST, costs_of, interquartile_mean, tail_mean
 from ev_sim.measures.own_metrics import named_metrics
 
 Answer = Callable[[np.ndarray, Callable[[np.ndarray], np.ndarray]], np.ndarray]

@@ -25,7 +25,7 @@ from ev_sim.command_line.options import add_changes, overrides
 from ev_sim.measures.metric import Parameters, Runs
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import Recording, load, save
-from ev_sim.running.output_folder import locked
+from ev_sim.running.folder_content import locked
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 from ev_sim.study.kept_rows import NEVER_DRIVES, as_json, case_key, decoded, digest_of_sources, result_of
 from ev_sim.study.run_study import arguments, study_cases

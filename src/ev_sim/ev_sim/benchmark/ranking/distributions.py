@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ev_sim.benchmark.scores import ENDS, LARGEST, resampled_draws
+from ev_sim.benchmark.ranking.scores import ENDS, LARGEST, resampled_draws
 
 COSTS_SHOWN = np.linspace(0.0, LARGEST, 61)
 

@@ -14,11 +14,11 @@ from ev_core.lockstep.configuration import Configuration
 from ev_core.parameters.data_file import SIGNALS, files_read, read_data
 from ev_sim.benchmark.added import refuse_variations
 from ev_sim.benchmark.board import Board, Cell
-from ev_sim.benchmark.cells.cell_runs import law_of, run_of, values_of
-from ev_sim.benchmark.cells.driving import DrivenCell
+from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
+from ev_sim.benchmark.driving import DrivenCell
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import atomic_file
-from ev_sim.running.output_folder import digest_of
+from ev_sim.running.folder_content import digest_of
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.kept_rows import digest_of_sources, run_key, short_digest
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ev_sim.benchmark.distributions import COSTS_SHOWN
-from ev_sim.benchmark.result import BoardResult
+from ev_sim.benchmark.ranking.distributions import COSTS_SHOWN
+from ev_sim.benchmark.ranking.result import BoardResult
 from ev_sim.figures.panels import Axes, Curve, Panel, readable
 from ev_sim.figures.sheets import Sheet
 from ev_sim.figures.strokes import DASHES, strokes_of

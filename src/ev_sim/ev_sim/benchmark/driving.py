@@ -14,9 +14,9 @@ import numpy as np
 from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.board import Board, Cell
-from ev_sim.benchmark.cells.cell_runs import law_of, law_values, run_of, values_of
-from ev_sim.benchmark.cells.draws import drawn, own_draws
-from ev_sim.benchmark.cells.entry_speed import CLEAN, END, HASH, Driven, at_highest_clean
+from ev_sim.benchmark.cell_runs import law_of, law_values, run_of, values_of
+from ev_sim.benchmark.draws import drawn, own_draws
+from ev_sim.benchmark.entry_speed import CLEAN, END, HASH, Driven, at_highest_clean
 from ev_sim.recording.recording import combined_hash
 from ev_sim.scenarios.scenario import Run
 

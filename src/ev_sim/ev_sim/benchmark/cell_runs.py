@@ -15,7 +15,7 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.variation import EVERY_ROLE
 from ev_sim.benchmark.board import SIDES, Board, Cell, by_role
-from ev_sim.benchmark.cells.entry_speed import searched_at
+from ev_sim.benchmark.entry_speed import searched_at
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
 from ev_sim.scenarios.scenario import Overrides, Run, Scenario, load_scenario

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from ev_sim.benchmark.board import COSTS, Cell
-from ev_sim.benchmark.drawing import undominated
-from ev_sim.benchmark.result import BoardResult
-from ev_sim.benchmark.scores import interquartile_mean, tail_mean
-from ev_sim.benchmark.tables import SCORE_COLUMNS, score_rows, short_id
-from ev_sim.benchmark.varied import Difference
+from ev_sim.benchmark.ranking.drawing import undominated
+from ev_sim.benchmark.ranking.result import BoardResult
+from ev_sim.benchmark.ranking.scores import interquartile_mean, tail_mean
+from ev_sim.benchmark.ranking.tables import SCORE_COLUMNS, score_rows, short_id
+from ev_sim.benchmark.ranking.varied import Difference
 from ev_sim.report.tables import markdown_table
 
 PART_COLUMNS = ("where", "handling", "worst tenth", "energy", "unstable [%]", "best law there")

@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ev_sim.benchmark.board import COSTS, Board, Cell
-from ev_sim.benchmark.cells.driving import DrivenCell
-from ev_sim.benchmark.cells.entry_speed import DRIVEN
-from ev_sim.benchmark.distributions import COSTS_SHOWN, Estimate, improvement, performance_profiles
-from ev_sim.benchmark.scores import Score, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
-from ev_sim.benchmark.varied import Difference, End, differences, ends_of_variations
+from ev_sim.benchmark.driving import DrivenCell
+from ev_sim.benchmark.entry_speed import DRIVEN
+from ev_sim.benchmark.ranking.distributions import COSTS_SHOWN, Estimate, improvement, performance_profiles
+from ev_sim.benchmark.ranking.scores import Score, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
+from ev_sim.benchmark.ranking.varied import Difference, End, differences, ends_of_variations
 from ev_sim.command_line.options import command_of
 from ev_sim.measures.own_metrics import named_metrics
 

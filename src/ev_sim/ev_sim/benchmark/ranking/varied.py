@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ev_sim.benchmark.board import MOTOR_FAULT, Board, Cell, Variation
-from ev_sim.benchmark.cells.draws import numbers_drawn
-from ev_sim.benchmark.scores import CONFIDENCE
+from ev_sim.benchmark.draws import numbers_drawn
+from ev_sim.benchmark.ranking.scores import CONFIDENCE
 
 _DEVIATIONS = NormalDist().inv_cdf(0.5 + 0.5 * CONFIDENCE)
 

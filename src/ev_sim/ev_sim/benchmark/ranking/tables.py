@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ev_sim.benchmark.board import COSTS
-from ev_sim.benchmark.distributions import Estimate
-from ev_sim.benchmark.result import BoardResult
-from ev_sim.benchmark.scores import Score
+from ev_sim.benchmark.ranking.distributions import Estimate
+from ev_sim.benchmark.ranking.result import BoardResult
+from ev_sim.benchmark.ranking.scores import Score
 
 SCORE_COLUMNS = ("law", "handling", "rank", "worst tenth", "rank", "energy", "rank", "unstable [%]")
 LAW_COLUMNS = ("law", *(f"{cost} better [%]" for cost in COSTS), "step [µs]", "wins most in", "breaks most in")

@@ -14,7 +14,7 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.variation import EVERY_ROLE
 from ev_sim.benchmark.board import FRICTION, MOTOR_FAULT, TOLD_FRICTION, Board, Cell, Variation
-from ev_sim.benchmark.cells.cell_runs import SEEDS, driven_wheels, surfaces_of
+from ev_sim.benchmark.cell_runs import SEEDS, driven_wheels, surfaces_of
 
 BELIEF = ("known.error_factor", "error_factor")  # how laws call the friction that they believe in over the true one
 _FAULTS, _ANYTHING = "faults", 2**31

@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import Path
 from typing import IO
 
-from ev_sim.benchmark.result import BoardResult
+from ev_sim.benchmark.ranking.result import BoardResult
 from ev_sim.recording.outcome import announce
 from ev_sim.recording.recording import atomic_file
 
