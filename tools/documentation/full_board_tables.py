@@ -10,7 +10,7 @@ from documentation.full_board import kept
 from documentation.markdown import code, table
 from ev_sim.benchmark.board import COSTS
 from ev_sim.benchmark.ranking.scores import Score
-from ev_sim.benchmark.ranking.tables import CELL_COLUMNS, EQUAL, SCORE_COLUMNS, in_words
+from ev_sim.benchmark.ranking.tables import CELL_COLUMNS, SCORE_COLUMNS, ends_in_words, in_words
 from ev_sim.benchmark.ranking.varied import Difference
 
 PAGE = "docs/benchmark_full.md"
@@ -74,15 +74,18 @@ def unstable_by_variation() -> str:
 
 def ends() -> str:
     """Of each law the cells in which its middle cost of handling is farthest below and above that of the reference."""
-    rows, reference = [], kept()["laws"].index("equal_torque")
+    cells, rows, reference = kept()["cells"], [], kept()["laws"].index("equal_torque")
+    names = [cell.rpartition(":*")[0] for cell in cells]
+    middle = np.array([of["handling"] for of in cells.values()]).T
+    lost = 100.0 * np.array([of["unstable"] for of in cells.values()]).T
     for i, law in enumerate(kept()["laws"]):
-        more = {cell: of["handling"][i] - of["handling"][reference] for cell, of in kept()["cells"].items()}
-        best, worst = min(more, key=more.__getitem__), max(more, key=more.__getitem__)
         if i != reference:
-            won, lost = (_end(cell, i, reference) for cell in (best, worst))
-            rows.append(
-                [code(law), won if more[best] < -EQUAL else "nowhere", lost if more[worst] > EQUAL else "nowhere"]
-            )
+
+            def unstable(n: int, i: int = i) -> str:
+                both = lost[[i, reference], n]
+                return f"; unstable {both[0]:.0f} for {both[1]:.0f} %" if max(both) >= 0.5 else ""
+
+            rows.append([code(law), *ends_in_words(names, middle[i], middle[reference], unstable)])
     return table(("law", "wins most in", "breaks most in"), rows)
 
 
@@ -140,13 +143,6 @@ def _by_variation(name: str, scale: float, digits: int) -> str:
             [code(law), *(text if of.is_beyond_noise else "tied" for text, of in zip(texts, found, strict=True))]
         )
     return table(("law", *heads), rows)
-
-
-def _end(cell: str, law: int, reference: int) -> str:
-    of = kept()["cells"][cell]
-    lost = [100.0 * of["unstable"][i] for i in (law, reference)]
-    unstable = f"; unstable {lost[0]:.0f} for {lost[1]:.0f} %" if max(lost) >= 0.5 else ""
-    return f"{cell.rpartition(':*')[0]}: {of['handling'][law]:.2f} for {of['handling'][reference]:.2f}{unstable}"
 
 
 def _medians_by_car(manoeuvre: str, metric: str, form: str) -> str:

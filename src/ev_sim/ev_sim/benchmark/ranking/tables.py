@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -69,17 +69,27 @@ def cell_rows(result: BoardResult) -> list[list[str]]:
 
 
 def _ends(result: BoardResult, law: int, reference: int) -> tuple[str, str]:
-    """The cells in which the middle cost of handling is farthest below and above that of the reference."""
-    middle = result.middles["handling"]
-    more = middle[law] - middle[reference]
+    """Columns of LAW_COLUMNS."""
+    names, middle = [short_id(result, n) for n in range(len(result.places))], result.middles["handling"]
+
+    def unstable(n: int) -> str:
+        lost = [int(result.unstable[i, n].sum()) for i in (law, reference)]
+        return f"; unstable {lost[0]} for {lost[1]} of {result.board.draws}" if any(lost) else ""
+
+    return ends_in_words(names, middle[law], middle[reference], unstable)
+
+
+def ends_in_words(
+    cells: Sequence[str], law: np.ndarray, reference: np.ndarray, unstable: Callable[[int], str]
+) -> tuple[str, str]:
+    """The cells in which a law's middle cost of handling is farthest below and above that of the reference.
+
+    "nowhere" if that is within EQUAL. `unstable` has words on the unstable runs of a cell.
+    """
+    more = law - reference
     best, worst = int(np.argmin(more)), int(np.argmax(more))
-    lost = [int(result.unstable[i, worst].sum()) for i in (law, reference)]
-    unstable = f"; unstable {lost[0]} for {lost[1]} of {result.board.draws}" if any(lost) else ""
-    texts = [f"{short_id(result, n)}: {middle[law, n]:.2f} for {middle[reference, n]:.2f}" for n in (best, worst)]
-    return (
-        texts[0] if more[best] < -EQUAL else "nowhere",
-        texts[1] + unstable if more[worst] > EQUAL else "nowhere",
-    )
+    won, lost = (f"{cells[n]}: {law[n]:.2f} for {reference[n]:.2f}{unstable(n)}" for n in (best, worst))
+    return won if more[best] < -EQUAL else "nowhere", lost if more[worst] > EQUAL else "nowhere"
 
 
 def short_id(result: BoardResult, cell: int) -> str:
