@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,12 +14,12 @@ import yaml
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.benchmark.board import TOLD_FRICTION, Board, Variation, read_board
+from ev_sim.benchmark.board import MOTOR_FAULT, TOLD_FRICTION, Board, Cell, Variation, read_board
 from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
 from ev_sim.benchmark.draws import drawn, own_draws
 from ev_sim.benchmark.driving import DrivenCell, drive_cell, laws_in_cell
 from ev_sim.benchmark.kept_cells import KeptCells
-from ev_sim.benchmark.ranking.varied import End, differences, ends_of_variations
+from ev_sim.benchmark.ranking.varied import Difference, Varied, differences_by_variation, mantel_haenszel
 from ev_sim.commands.run_scenario import main
 
 PERIODS = [0.005, 0.02]
@@ -28,6 +29,7 @@ VARIATIONS = [
 ]
 STEP = "layout_1_8_c:all:step_steer:wet:*"
 LAWS = ["equal_torque", "pi"]
+YAW_RATE = "plant.sensors.imu_yaw_rate"
 DRAWS = 6
 
 
@@ -91,60 +93,77 @@ def test_draws_are_within_what_is_declared(board: Board):
     assert drawn(others, cell, base).values["plant.faults"] == values["plant.faults"]
 
 
-def test_ends_of_a_choice_and_of_faults_are_the_runs_whose_command_has_them(board: Board, driven: DrivenCell):
-    ends = ends_of_variations(board, [driven.cell])
-    periods, faults = (stated(driven, "pi", name) for name in ("*.control_period", "plant.faults"))
-    for end, period in zip(ends["*.control_period"], PERIODS, strict=True):
-        assert end.text == f"{period:g}"
-        assert end.runs.tolist() == [[each == str(period) for each in periods]]
-    for end, has in zip(ends["motor_fault"], (False, True), strict=True):
-        assert end.runs.tolist() == [[("motor" in each) == has for each in faults]]
+def counted(board: Board, cell: Cell, drawn_as: np.ndarray) -> dict[str, Varied]:
+    """A law that costs nothing but 1 in some runs, and another one that always costs 1."""
+    return differences_by_variation(board, [cell], {"cost": np.array([[drawn_as], [np.ones(board.draws)]], float)})
 
 
-def test_ends_of_a_range_are_its_thirds_in_what_is_driven(board: Board):
-    """Bounds that are drawn as such, by a factor on the car's own number, and as whole numbers."""
-    mass, noise, delay = "*.vehicle.mass", "plant.sensors.wheel_speed.noise", "plant.sensors.wheel_speed.delay"
-    varied = [Variation(mass, factor=[1.0, 1.3]), Variation(noise, value=[0.0, 0.3]), Variation(delay, count=[0, 2])]
-    many = replace(board, draws=300, variations=varied)
+@pytest.mark.parametrize(
+    ("variation", "least", "most", "is_most"),
+    [
+        (Variation("*.vehicle.mass", factor=[1.0, 1.3]), "1 to 1.1", "1.2 to 1.3", lambda mass, car: mass >= 1.2 * car),
+        (
+            Variation(f"{YAW_RATE}.noise", value=[0.0, 0.3]),
+            "0 to 0.1",
+            "0.2 to 0.3",
+            lambda x, _: x >= 0.2,
+        ),
+        (Variation(f"{YAW_RATE}.delay", count=[0, 2]), "0", "2", lambda x, _: x == 2),
+        (Variation(f"{YAW_RATE}.delay", count=[0, 9]), "0 to 3", "6 to 9", lambda x, _: x >= 6),
+        (Variation("*.control_period", choice=[0.005, 0.01, 0.02]), "0.005", "0.02", lambda x, _: x == 0.02),
+        (
+            Variation(MOTOR_FAULT, value=[0, 0.5], begin=[0.5, 1.0], probability=0.2),
+            "none",
+            "of one motor",
+            lambda x, _: x,
+        ),
+    ],
+    ids=["factor", "value", "count", "long count", "choice", "fault"],
+)
+def test_the_most_of_what_varies_is_found_in_what_is_driven(
+    board: Board, variation: Variation, least: str, most: str, is_most: Callable
+):
+    """A cost of 1 in the runs that are driven with the most, and nothing elsewhere, differs by 1 without doubt."""
+    many = replace(board, draws=100, variations=[variation])
     (cell,) = many.cells(STEP)
     base = run_of(many, cell, values_of(many, cell)).configurations
-    values, ends = drawn(many, cell, base).values, ends_of_variations(many, [cell])
-    assert [[end.text for end in ends[name]] for name in (mass, noise, delay)] == [
-        ["1 to 1.1", "1.2 to 1.3"], ["0 to 0.1", "0.2 to 0.3"], ["0", "2"]
-    ]  # fmt: skip
-    of_car = base["plant"].values()["vehicle.mass"]
-    for name, numbers, steps in ((mass, np.array(values[mass]) / of_car - 1.0, 0.1), (noise, values[noise], 0.1)):
-        assert ends[name][0].runs.tolist() == [[each <= steps for each in numbers]]
-        assert ends[name][1].runs.tolist() == [[each >= 2.0 * steps for each in numbers]]
-    for end, count in zip(ends[delay], (0, 2), strict=True):
-        assert end.runs.tolist() == [[each == count for each in values[delay]]]
-    # A binomial distribution of a third of the draws, within four standard deviations.
-    assert all(abs(end.runs.sum() - 100) < 4 * np.sqrt(300 * 2 / 9) for pair in ends.values() for end in pair)
+    name = "plant.faults" if variation.parameter == MOTOR_FAULT else variation.parameter
+    of_car = base["plant"].values().get(name.partition(".")[2], 0.0)
+    runs = np.array([bool(is_most(each, of_car)) for each in drawn(many, cell, base).values[name]])
+    (found,) = counted(many, cell, runs).values()
+    assert (found.least, found.most) == (least, most)
+    assert found.differences["cost"] == [Difference(1.0, 0.0), Difference(0.0, 0.0)]
 
 
-def test_differences_are_found_within_cells_and_are_as_sure_as_they_say():
-    """Cells cost much more or less than others, and have more runs at one end by chance; an effect of 0.3 is found.
+def test_what_a_board_does_not_vary_or_has_too_few_runs_of_makes_no_difference(board: Board):
+    one = replace(board, variations=[Variation("*.control_period", choice=[0.005])])
+    (cell,) = one.cells(STEP)
+    assert counted(one, cell, np.zeros(DRAWS)) == {}
+    few = replace(board, draws=1)
+    words = [
+        of.in_words(1.0, 2) for each in counted(few, cell, np.zeros(1)).values() for of in each.differences["cost"]
+    ]
+    assert words == ["-"] * 4
 
-    95 % of 400 boards within three standard deviations of a binomial distribution.
+
+@pytest.mark.parametrize(("cells", "draws", "spread"), [(12, 10, 1.0), (12, 20, 3.0), (1, 10, 1.0)])
+def test_differences_are_as_sure_as_they_say(cells: int, draws: int, spread: float):
+    """Cells cost much more or less than others, have more runs with the most by chance, and those scatter more.
+
+    Of 600 boards 95 % within four standard deviations of a binomial distribution, or more of those with few runs: the
+    freedom of the fewer runs is the careful choice.
     """
-    random, effect, cells, draws = np.random.default_rng(1), 0.3, 12, 10
-    held = 0
-    for _ in range(400):
-        of_cells = 3.0 * random.random((cells, 1))
-        least, greatest = (place == random.integers(3, size=(cells, draws)) for place in (0, 1))
-        greatest &= ~least
-        values = of_cells + effect * greatest + 0.5 * random.standard_normal((2, cells, draws))
-        found = differences(values, (End("", least), End("", greatest)))[1]
-        held += abs(found.value - effect) <= found.half
-    assert abs(held - 380) < 3 * np.sqrt(400 * 0.95 * 0.05)
-    exact = differences(np.array([of_cells + effect * greatest]), (End("", least), End("", greatest)))[0]
-    assert exact == pytest.approx((effect, 0.0), abs=1e-12)
-
-
-def test_too_few_runs_make_no_difference():
-    least = np.array([[True, False]])
-    (found,) = differences(np.zeros((1, 1, 2)), (End("", least), End("", ~least)))
-    assert np.isnan(found).all() and not found.is_beyond_noise
+    random, effect, held = np.random.default_rng(1), 0.3, []
+    for _ in range(600):
+        with_most = random.random((cells, draws)) < 0.3
+        noise = np.where(with_most, spread, 1.0) * random.standard_normal((cells, draws))
+        values = 5.0 * random.random((cells, 1)) + effect * with_most + 0.5 * noise
+        (found,) = mantel_haenszel(values[None], ~with_most, with_most)
+        if not np.isnan(found.half):
+            held.append(abs(found.value - effect) <= found.half)
+    expected, deviation = 0.95 * len(held), np.sqrt(0.95 * 0.05 * len(held))
+    assert len(held) > 450
+    assert expected - 4 * deviation < sum(held) < (expected + 4 * deviation if cells > 1 else len(held) + 1)
 
 
 def test_what_a_law_believes_is_its_own_factor_by_what_is_told(board: Board):
@@ -158,6 +177,8 @@ def test_what_a_law_believes_is_its_own_factor_by_what_is_told(board: Board):
         laws = {**told.laws, "pi": {**told.laws["pi"], "known.error_factor": own}}
         found = own_draws(law_of(replace(told, laws=laws), "pi", base), draws)
         assert found == {name: [own * each for each in draws.told]}
+    chosen = replace(board, variations=[Variation(TOLD_FRICTION, choice=[0.7, 1.3])])
+    assert set(drawn(chosen, cell, base.configurations).told) == {0.7, 1.3}
 
 
 def test_a_drawn_fault_comes_beside_those_of_the_run(board: Board):
@@ -260,7 +281,7 @@ ED = "electronic_differential"
             "*.vehicle.wheelbase by factor [-1.0, 1.0]: parameter vehicle.wheelbase: -2.6 is refused, allowed",
         ),
         (
-            Variation("plant.sensors.imu_yaw_rate.delay", count=[0, 2000]),
+            Variation(f"{YAW_RATE}.delay", count=[0, 2000]),
             "plant.sensors.imu_yaw_rate.delay by count [0, 2000]: parameter sensors.imu_yaw_rate.delay: 2000 is",
         ),
         (Variation(PERIOD, choice=[0.01, 7.0]), f"{PERIOD} by choice [0.01, 7.0]: parameter control_period: 7.0 is"),

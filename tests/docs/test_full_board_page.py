@@ -91,10 +91,11 @@ def test_what_is_kept_are_the_numbers_of_the_runs(folder: Path, few: Board, resu
     for name, scores in result.scores.items():
         assert [found["scores"][law][name]["rank"] for law in result.laws] == [each.rank for each in scores]
         assert found["where"]["compact_ev:rear"][name] == pytest.approx([each.value for each in scores], rel=5e-4)
-    for name, pairs in found["varied"].items():
-        assert pairs["ends"] == [end.text for end in result.ends[name]]
-        for of in ("handling", "energy", "unstable"):
-            assert pairs[of] == [pytest.approx(each, rel=5e-4) for each in result.differences[of][name]]
+    for name, of in found["varied"].items():
+        assert of["drawn"] == [result.varied[name].least, result.varied[name].most]
+        for counted, laws in result.varied[name].differences.items():
+            pairs = np.array(of[counted], float)
+            assert pairs == pytest.approx(np.array(laws), rel=5e-4, nan_ok=True)
     best = {cost: float(interquartile_mean(of.min(axis=0).ravel())) for cost, of in result.costs.items()}
     assert {cost: found["best of each run"][cost] for cost in best} == pytest.approx(best, rel=5e-4)
 
@@ -105,9 +106,13 @@ def test_runs_of_another_board_are_refused(folder: Path, few: Board):
         (folder / "runs.jsonl.gz").write_bytes(gzip.compress(b"".join(fewer)))
         with pytest.raises(ValueError, match=line):
             kept_board(folder, few)
+    others = replace(few, variations=[replace(few.variations[0], factor=[1.0, 1.1]), *few.variations[1:]])
+    for other, name in ((replace(few, seed=few.seed + 1), r"\*\.seed"), (others, r"\*\.vehicle\.mass")):
+        with pytest.raises(ValueError, match=f"was not driven with the {name} that the board draws"):
+            kept_board(folder, other)
 
 
-def refused(root: Path, folder: Path) -> str:
+def refusal(root: Path, folder: Path) -> str:
     """The line about a folder that is no full board; nothing is written."""
     with pytest.raises(SystemExit) as found:
         main([str(root), "--full", str(folder)])
@@ -116,7 +121,7 @@ def refused(root: Path, folder: Path) -> str:
 
 
 def test_another_board_is_refused(folder: Path, tmp_path_factory: pytest.TempPathFactory):
-    line = refused(tmp_path_factory.mktemp("root"), folder)
+    line = refusal(tmp_path_factory.mktemp("root"), folder)
     assert "board is small, wanted is full" in line and "\n" not in line
 
 
@@ -134,8 +139,8 @@ def test_what_is_no_board_is_one_line(
 ):
     monkeypatch.setattr("ev_sim.benchmark.board.read_board", lambda _: few)
     change(folder)
-    said = refused(tmp_path_factory.mktemp("root"), folder)
-    assert line in said and "\n" not in said
+    output = refusal(tmp_path_factory.mktemp("root"), folder)
+    assert line in output and "\n" not in output
 
 
 def test_a_part_of_the_full_board_is_refused():

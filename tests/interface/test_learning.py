@@ -200,8 +200,8 @@ def test_a_policy_is_learned_here_and_driven_on_the_board(tmp_path: Path):
     """
     weights, folder = tmp_path / "weights.yaml", EXAMPLE.parent / "learned"
     words = [sys.executable, str(folder / "train.py"), str(weights), "--generations", "1", "--duration", "0.1"]
-    said = subprocess.run(words, check=True, capture_output=True, text=True).stdout
-    assert "generation 1: least mean loss" in said
+    output = subprocess.run(words, check=True, capture_output=True, text=True).stdout
+    assert "generation 1: least mean loss" in output
     words = ["--laws", "equal_torque", "--cells", "layout_1_8_c:all:step_steer:wet:*", "--draws", "1", "--no-report"]
     run_benchmark(["--add", f"{folder / 'policy.py'}={weights}", *words, "--out", str(tmp_path / "out")])
     assert "## weights" in (tmp_path / "out" / "laws.md").read_text()

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from itertools import groupby
@@ -18,11 +19,12 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.refusal import shown
-from ev_sim.benchmark.board import COSTS, Board
+from ev_sim.benchmark.board import COSTS, Board, Cell
+from ev_sim.benchmark.driving import laws_in_cell
 from ev_sim.benchmark.ranking.result import medians
 from ev_sim.benchmark.ranking.scores import interquartile_mean, tail_mean
 from ev_sim.benchmark.ranking.tables import DIGITS
-from ev_sim.benchmark.ranking.varied import differences, ends_of_variations
+from ev_sim.benchmark.ranking.varied import differences_by_variation
 
 FILE = "docs/measured/benchmark_full.json"
 ABOUT = ("board", "version", "draws", "runs_driven", "hash", "versions")
@@ -33,17 +35,21 @@ _FIGURES = 4  # that a number is kept with
 def kept_board(folder: Path, declared: Board) -> dict[str, Any]:
     """What the repository keeps of a board that was driven: numbers of each law, in the order of `laws`.
 
-    ValueError unless it was driven whole, as it is declared, and the runs are those of the scores.
+    ValueError unless it was driven whole, with what is declared and drawn, and the runs are those of the scores.
     """
     board = json.loads((folder / "board.json").read_text(encoding="utf-8"))
     laws, cells = list(board["scores"]), {}
     hold_against(board | {"laws": laws}, declared)
+    declared_cells = {each.id("*"): each for each in declared.cells()}
     costs: dict[str, list[np.ndarray]] = {cost: [] for cost in COSTS}
     unstable = []
     for cell, runs in _runs_of_cells(folder / "runs.jsonl.gz"):
         of_laws = {law: list(of) for law, of in groupby(runs, key=lambda run: run["law"])}
         if list(of_laws) != laws or any(len(of) != board["draws"] for of in of_laws.values()):
             raise ValueError(f"{cell} has not {board['draws']} runs of each law of board.json")
+        if cell not in declared_cells:
+            raise ValueError("runs.jsonl.gz has other cells than board.json")
+        _hold_draws(declared, declared_cells[cell], runs)
         for cost, of_cost in costs.items():
             of_cost.append(_of_runs(of_laws, f"{cost}_cost"))
         unstable.append(_of_runs(of_laws, "unstable"))
@@ -127,13 +133,24 @@ def _by_group(
 def _by_variation(
     board: Board, costs: dict[str, list[np.ndarray]], unstable: list[np.ndarray]
 ) -> dict[str, dict[str, Any]]:
-    """By variation what is drawn at both ends, and of each law how they differ, with half the interval."""
-    stacked = {name: np.stack(of, axis=1) for name, of in {**costs, "unstable": unstable}.items()}
+    """By variation the least and the most of what is drawn, and of each law how it differs, with half the interval."""
+    counted = {name: np.stack(of, axis=1) for name, of in {**costs, "unstable": unstable}.items()}
     return {
-        name: {"ends": [end.text for end in ends]}
-        | {of: [_rounded(list(each)) for each in differences(values, ends)] for of, values in stacked.items()}
-        for name, ends in ends_of_variations(board, board.cells()).items()
+        name: {"drawn": [of.least, of.most]}
+        | {counts: [_rounded(list(each)) for each in laws] for counts, laws in of.differences.items()}
+        for name, of in differences_by_variation(board, board.cells(), counted).items()
     }
+
+
+def _hold_draws(board: Board, cell: Cell, runs: Sequence[dict[str, Any]]) -> None:
+    """ValueError unless the last law has driven what the board draws, in the first and the last run of a cell."""
+    law = list(board.laws)[-1]
+    vary = laws_in_cell(board, cell, [law])[law].vary
+    for run in (runs[-board.draws], runs[-1]):
+        words = shlex.split(run["command"])
+        for name, values in vary.items():
+            if f"{name}={json.dumps(values[run['draw']])}" not in words:
+                raise ValueError(f"{run['cell']} was not driven with the {name} that the board draws")
 
 
 def _best_of_each_run(costs: dict[str, list[np.ndarray]], unstable: list[np.ndarray]) -> dict[str, Any]:

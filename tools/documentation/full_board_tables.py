@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import nan
 
 import numpy as np
 
@@ -132,16 +133,12 @@ def _by(cost: str, names: Sequence[str], with_unstable: bool = False) -> str:
 
 
 def _by_variation(name: str, scale: float, digits: int) -> str:
-    """A row for each law, a column for each variation, with what is drawn at its ends in the head."""
-    varied = kept()["varied"]
-    heads = [f"{code(variation)}: {' / '.join(of['ends'])}" for variation, of in varied.items()]
-    rows = []
+    """A row for each law, a column for each variation, with the least and the most of what is drawn in the head."""
+    varied, rows = kept()["varied"], []
+    heads = [f"{code(variation)}: {' / '.join(of['drawn'])}" for variation, of in varied.items()]
     for i, law in enumerate(kept()["laws"]):
-        found = [Difference(*of[name][i]) for of in varied.values()]
-        texts = [f"{scale * of.value:+.{digits}f} ± {scale * of.half:.{digits}f}" for of in found]
-        rows.append(
-            [code(law), *(text if of.is_beyond_noise else "tied" for text, of in zip(texts, found, strict=True))]
-        )
+        pairs = [[nan if each is None else each for each in of[name][i]] for of in varied.values()]
+        rows.append([code(law), *(Difference(*pair).in_words(scale, digits) for pair in pairs)])
     return table(("law", *heads), rows)
 
 

@@ -37,15 +37,15 @@ def numbers_drawn(board: Board, cell: Cell) -> tuple[list[int], dict[str, list[A
     seeds, found = random.integers(_ANYTHING, size=board.draws).tolist(), {}
     for variation in board.variations:
         low, high = variation.bounds
-        even = (low + (high - low) * random.random(board.draws)).tolist()
+        numbers: list[Any] = (low + (high - low) * random.random(board.draws)).tolist()
         if variation.parameter == MOTOR_FAULT:
-            even = _motor_faults(variation, driven_wheels(board, cell), even, random)
+            numbers = _motor_faults(variation, driven_wheels(board, cell), numbers, random)
         elif variation.choice:
             chosen = random.integers(len(variation.choice), size=board.draws).tolist()
-            even = [variation.choice[each] for each in chosen]
+            numbers = [variation.choice[each] for each in chosen]
         elif variation.count:
-            even = random.integers(int(low), int(high) + 1, size=board.draws).tolist()
-        found[variation.parameter] = even
+            numbers = random.integers(int(low), int(high) + 1, size=board.draws).tolist()
+        found[variation.parameter] = numbers
     return seeds, found
 
 

@@ -11,11 +11,10 @@ from ev_sim.benchmark.ranking.drawing import undominated
 from ev_sim.benchmark.ranking.result import BoardResult
 from ev_sim.benchmark.ranking.scores import interquartile_mean, tail_mean
 from ev_sim.benchmark.ranking.tables import SCORE_COLUMNS, score_rows, short_id
-from ev_sim.benchmark.ranking.varied import Difference
 from ev_sim.report.tables import markdown_table
 
 PART_COLUMNS = ("where", "handling", "worst tenth", "energy", "unstable [%]", "best law there")
-VARIED_COLUMNS = ("what varies", "least", "greatest", "mean handling", "unstable [points]")
+VARIED_COLUMNS = ("what varies", "least", "most", "mean handling", "unstable [points]")
 CELL_COLUMNS = ("cell", "handling", "energy", "unstable [%]", "once more, its worst draw")
 ENDS = 3  # cells shown at each end
 _GROUPS: tuple[Callable[[Cell], str], ...] = (
@@ -43,7 +42,7 @@ def law_page(result: BoardResult, law: str, level: int = 2) -> str:
         f"{stated}.",
         _in_words(result, i),
         markdown_table(PART_COLUMNS, list(_parts(result, i))),
-        "What varies: by how much runs with the greatest cost more, and are more unstable, than those with the least:",
+        "By how much runs with the most of what varies cost more, and are more unstable, than with the least:",
         markdown_table(VARIED_COLUMNS, list(_varied(result, i))),
         f"The cells with the least and the largest middle cost of handling beside `{result.board.reference}`:",
         markdown_table(CELL_COLUMNS, list(_ends(result, i))),
@@ -88,16 +87,9 @@ def _parts(result: BoardResult, i: int) -> Iterator[list[str]]:
 
 
 def _varied(result: BoardResult, i: int) -> Iterator[list[str]]:
-    for name, ends in result.ends.items():
-        handling, unstable = result.differences["handling"][name][i], result.differences["unstable"][name][i]
-        yield [f"`{name}`", *(end.text for end in ends), _more(handling, 1.0, 2), _more(unstable, 100.0, 1)]
-
-
-def _more(of: Difference, scale: float, digits: int) -> str:
-    """With its interval; a dash of too few runs."""
-    value, half = scale * of.value, scale * of.half
-    low, high = (f"{each:+.{digits}f}" for each in (value - half, value + half))
-    return "-" if np.isnan(value) else f"{value:+.{digits}f} [{low}, {high}]"
+    for name, of in result.varied.items():
+        handling, unstable = of.differences["handling"][i], of.differences["unstable"][i]
+        yield [f"`{name}`", of.least, of.most, handling.in_words(1.0, 2), unstable.in_words(100.0, 1)]
 
 
 def _ends(result: BoardResult, i: int) -> Iterator[list[str]]:

@@ -17,7 +17,7 @@ from ev_sim.benchmark.driving import DrivenCell
 from ev_sim.benchmark.entry_speed import DRIVEN
 from ev_sim.benchmark.ranking.distributions import COSTS_SHOWN, Estimate, improvement, performance_profiles
 from ev_sim.benchmark.ranking.scores import Score, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
-from ev_sim.benchmark.ranking.varied import Difference, End, differences, ends_of_variations
+from ev_sim.benchmark.ranking.varied import Varied, differences_by_variation
 from ev_sim.command_line.options import command_of
 from ev_sim.measures.own_metrics import named_metrics
 
@@ -127,15 +127,10 @@ class BoardResult:
         return {name: medians(np.concatenate(of, axis=1)) for name, of in self._counted.recorded.items()}
 
     @cached_property
-    def ends(self) -> dict[str, tuple[End, End]]:
-        """By variation the runs at both ends of what is drawn."""
-        return ends_of_variations(self.board, self.places)
-
-    @cached_property
-    def differences(self) -> dict[str, dict[str, list[Difference]]]:
-        """By cost, or `unstable`, and variation of each law how both ends differ."""
-        counted = {**self.costs, "unstable": self.unstable}
-        return {of: {name: differences(each, ends) for name, ends in self.ends.items()} for of, each in counted.items()}
+    def varied(self) -> dict[str, Varied]:
+        """By variation how the costs of handling and unstable runs of each law differ."""
+        counted = {"handling": self.costs["handling"], "unstable": self.unstable}
+        return differences_by_variation(self.board, self.places, counted)
 
     def once_more(self, cell: int, law: int, draw: int) -> str:
         """The line that drives a run alone."""

@@ -1,83 +1,94 @@
-"""What the variations of a board do to its laws: the runs at both ends of what is drawn, against each other."""
+"""What the variations of a board do to its laws: runs with the least of what is drawn against those with the most."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from statistics import NormalDist
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.stats import t as student
 
 from ev_sim.benchmark.board import MOTOR_FAULT, Board, Cell, Variation
 from ev_sim.benchmark.draws import numbers_drawn
 from ev_sim.benchmark.ranking.scores import CONFIDENCE
 
-_DEVIATIONS = NormalDist().inv_cdf(0.5 + 0.5 * CONFIDENCE)
-
-
-class End(NamedTuple):
-    """What is drawn there, in words, and which runs have it, (cells, draws)."""
-
-    text: str
-    runs: np.ndarray
-
 
 class Difference(NamedTuple):
-    """By how much something is more at the greater end, and half the width of its interval; NaN of too few runs."""
+    """By how much a number is higher with the most, and half the width of its interval; NaN of too few runs."""
 
     value: float
     half: float
 
-    @property
-    def is_beyond_noise(self) -> bool:
-        """Whether the interval excludes zero."""
-        return abs(self.value) > self.half
+    def in_words(self, scale: float, digits: int) -> str:
+        """Times a scale, `tied` if the interval has zero in it; a dash of too few runs."""
+        if math.isnan(self.half):
+            return "-"
+        is_tied = abs(self.value) <= self.half
+        return "tied" if is_tied else f"{scale * self.value:+.{digits}f} ± {scale * self.half:.{digits}f}"
 
 
-def ends_of_variations(board: Board, cells: Sequence[Cell]) -> dict[str, tuple[End, End]]:
-    """By variation the runs with the least third of its range and those with the greatest.
+class Varied(NamedTuple):
+    """The least and the most of what is drawn, in words, and by what is counted the difference of each law."""
 
-    Of a choice or a whole number they are those with the least and the greatest one; of MOTOR_FAULT those without a
-    fault and those with one.
+    least: str
+    most: str
+    differences: dict[str, list[Difference]]
+
+
+def differences_by_variation(
+    board: Board, cells: Sequence[Cell], counted: Mapping[str, np.ndarray]
+) -> dict[str, Varied]:
+    """By variation how what is `counted` of each run, (laws, cells, draws), differs.
+
+    Compared are the runs with the least and the greatest third of a range, the least and the greatest choice, or none
+    and a fault of MOTOR_FAULT. A variation of a single choice is left out.
     """
-    of_cells = [numbers_drawn(board, cell)[1] for cell in cells]
-    return {each.parameter: _ends(each, [of[each.parameter] for of in of_cells]) for each in board.variations}
+    of_cells, found = [numbers_drawn(board, cell)[1] for cell in cells], {}
+    for variation in board.variations:
+        drawn = np.array([of[variation.parameter] for of in of_cells])
+        (least, with_least), (most, with_most) = _extremes(variation, drawn)
+        if least != most:
+            of = {name: mantel_haenszel(values, with_least, with_most) for name, values in counted.items()}
+            found[variation.parameter] = Varied(least, most, of)
+    return found
 
 
-def _ends(variation: Variation, drawn: list[list[Any]]) -> tuple[End, End]:
-    found = np.array(drawn)
+def _extremes(variation: Variation, drawn: np.ndarray) -> tuple[tuple[str, Any], tuple[str, Any]]:
+    """The least and the most, in words, and which runs have it."""
     if variation.parameter == MOTOR_FAULT:
-        return End("none", found == ""), End("of one motor", found != "")
-    if exact := variation.choice or variation.count:
-        low, high = min(exact), max(exact)
-        return End(f"{low:g}", found == low), End(f"{high:g}", found == high)
+        return ("none", drawn == ""), ("of one motor", drawn != "")
+    if variation.choice:
+        low, high = min(variation.choice), max(variation.choice)
+        return (f"{low:g}", drawn == low), (f"{high:g}", drawn == high)
     low, high = variation.bounds
-    third = (high - low) / 3.0
-    return (
-        End(f"{low:.3g} to {low + third:.3g}", found <= low + third),
-        End(f"{high - third:.3g} to {high:.3g}", found >= high - third),
+    below, above = low + (high - low) / 3.0, high - (high - low) / 3.0
+    if variation.count:
+        below, above = math.floor(below), math.ceil(above)
+    least, most = (
+        f"{begin:.4g}" if begin == end else f"{begin:.4g} to {end:.4g}" for begin, end in ((low, below), (above, high))
     )
+    return (least, drawn <= below), (most, drawn >= above)
 
 
-def differences(values: np.ndarray, ends: tuple[End, End]) -> list[Difference]:
-    """Of each law by how much values, (laws, cells, draws), differ between both ends.
+def mantel_haenszel(values: np.ndarray, with_least: np.ndarray, with_most: np.ndarray) -> list[Difference]:
+    """How values, (laws, cells, draws), differ between some runs and others, (cells, draws), within their cells.
 
-    Runs are compared within their cells, which are weighted as Mantel and Haenszel do, n_1 n_2/(n_1 + n_2): which cells
-    happen to have more runs at one end counts for nothing. The interval has one variance for all cells.
+    A cell has the weight n_1 n_2/(n_1 + n_2), so that it counts for nothing which cells happen to have more runs with
+    the most. All cells together give a variance for each kind of runs, and Student's t with the freedom of the fewer
+    ones the interval.
     """
-    counts = np.array([end.runs.sum(axis=-1) for end in ends])
+    counts = np.stack([with_least.sum(axis=-1), with_most.sum(axis=-1)])
     weights = counts.prod(axis=0) / np.maximum(counts.sum(axis=0), 1)
-    freedom = int((counts.sum(axis=0) - 2)[weights > 0.0].sum())
-    if not freedom:
-        return [Difference(np.nan, np.nan)] * len(values)
-    least, greatest = (
-        (values * end.runs).sum(axis=-1) / np.maximum(count, 1) for end, count in zip(ends, counts, strict=True)
-    )
-    squares = sum(
-        ((values - mean[..., None]) ** 2 * end.runs).sum(axis=-1)
-        for end, mean in zip(ends, (least, greatest), strict=True)
-    )
-    found = (greatest - least) @ weights / weights.sum()
-    variances = squares @ (weights > 0.0) / freedom
-    halves = _DEVIATIONS * np.sqrt(variances / weights.sum())
+    freedom = np.maximum(counts - 1, 0) @ (weights > 0.0)
+    if not freedom.min():
+        return [Difference(math.nan, math.nan)] * len(values)
+    means, variance = [], 0.0
+    for runs, count, free in zip((with_least, with_most), counts, freedom, strict=True):
+        mean = (values * runs).sum(axis=-1) / np.maximum(count, 1)
+        squares = ((values - mean[..., None]) ** 2 * runs).sum(axis=-1)
+        variance = variance + squares @ (weights > 0.0) / free * (weights**2 / np.maximum(count, 1)).sum()
+        means.append(mean)
+    found = (means[1] - means[0]) @ weights / weights.sum()
+    halves = student.ppf(0.5 + 0.5 * CONFIDENCE, freedom.min()) * np.sqrt(variance) / weights.sum()
     return [Difference(*of) for of in zip(found.tolist(), halves.tolist(), strict=True)]
