@@ -38,7 +38,7 @@ STARTED: list[subprocess.Popen] = []
 
 
 @pytest.fixture(autouse=True)
-def nothing_left_behind() -> Iterator[None]:
+def no_process_left() -> Iterator[None]:
     yield
     for process in STARTED:
         if process.poll() is None:
