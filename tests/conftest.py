@@ -23,7 +23,7 @@ tqdm.monitor_interval = 0  # else the first bar of a process begins a thread tha
 
 ALL = "--all-cases"
 _INSTALLED = {point.value.partition(".")[0] for point in entry_points(group="ev_stack.methods")}
-_LIMITS = (resource.RLIMIT_AS, resource.RLIMIT_FSIZE, resource.RLIMIT_NOFILE)
+_LIMITS = (resource.RLIMIT_AS, resource.RLIMIT_DATA, resource.RLIMIT_FSIZE, resource.RLIMIT_NOFILE)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
