@@ -22,6 +22,7 @@ settings.load_profile("ours")
 
 ALL = "--all-cases"
 _OF_LIBRARIES = ("tqdm_monitor", "IO loop", "Dask")  # names with which threads begin that tqdm and dask keep
+_SET_BY_OTHERS = {"PYTEST_CURRENT_TEST", "PYGAME_HIDE_SUPPORT_PROMPT"}  # by pytest, and by gymnasium when it is imported
 _INSTALLED = {point.value.partition(".")[0] for point in entry_points(group="ev_stack.methods")}
 _LIMITS = (resource.RLIMIT_AS, resource.RLIMIT_DATA, resource.RLIMIT_FSIZE, resource.RLIMIT_NOFILE)
 
@@ -94,7 +95,7 @@ def _shared() -> dict[str, object]:
             for name, each in methods.items()
             if each.package not in _INSTALLED
         },
-        "variables of the environment": {k: v for k, v in os.environ.items() if k != "PYTEST_CURRENT_TEST"},
+        "variables of the environment": {k: v for k, v in os.environ.items() if k not in _SET_BY_OTHERS},
         "working directory": os.getcwd(),
         "paths of modules": list(sys.path),
         "handlers of signals": [signal.getsignal(kind) for kind in (signal.SIGINT, signal.SIGTERM)],
