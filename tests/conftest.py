@@ -22,7 +22,7 @@ settings.load_profile("ours")
 
 ALL = "--all-cases"
 _OF_LIBRARIES = ("tqdm_monitor", "IO loop", "Dask")  # names with which threads begin that tqdm and dask keep
-_SET_BY_OTHERS = {"PYTEST_CURRENT_TEST", "PYGAME_HIDE_SUPPORT_PROMPT"}  # by pytest, and by gymnasium when it is imported
+_SET_BY_OTHERS = {"PYTEST_CURRENT_TEST", "PYGAME_HIDE_SUPPORT_PROMPT"}  # gymnasium does that when it is imported
 _INSTALLED = {point.value.partition(".")[0] for point in entry_points(group="ev_stack.methods")}
 _LIMITS = (resource.RLIMIT_AS, resource.RLIMIT_DATA, resource.RLIMIT_FSIZE, resource.RLIMIT_NOFILE)
 
