@@ -21,7 +21,8 @@ settings.register_profile("ours", deadline=None, max_examples=20)
 settings.load_profile("ours")
 
 ALL = "--all-cases"
-_OF_LIBRARIES = ("tqdm_monitor", "IO loop", "Dask")  # names with which threads begin that tqdm and dask keep
+# Names with which threads begin that libraries keep: for a process, and the last for as long as a loop of events.
+_OF_LIBRARIES = ("tqdm_monitor", "IO loop", "Dask", "asyncio_")
 _SET_BY_OTHERS = {"PYTEST_CURRENT_TEST", "PYGAME_HIDE_SUPPORT_PROMPT"}  # gymnasium does that when it is imported
 _INSTALLED = {point.value.partition(".")[0] for point in entry_points(group="ev_stack.methods")}
 _LIMITS = (resource.RLIMIT_AS, resource.RLIMIT_DATA, resource.RLIMIT_FSIZE, resource.RLIMIT_NOFILE)
