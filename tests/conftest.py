@@ -1,10 +1,15 @@
 """Settings that all tests share."""
 
+import gc
 import os
+import resource
+import signal
 import sys
+import threading
 from collections.abc import Iterator
 from itertools import groupby
 
+import numpy as np
 import pytest
 from hypothesis import settings
 
@@ -16,6 +21,11 @@ settings.register_profile("ours", deadline=None, max_examples=20)
 settings.load_profile("ours")
 
 ALL = "--all-cases"
+# Names with which threads begin that libraries keep: for a process, and the last for as long as a loop of events.
+_OF_LIBRARIES = ("tqdm_monitor", "IO loop", "Dask", "asyncio_")
+_SET_BY_OTHERS = {"PYTEST_CURRENT_TEST", "PYGAME_HIDE_SUPPORT_PROMPT"}  # gymnasium does that when it is imported
+_INSTALLED = {point.value.partition(".")[0] for point in entry_points(group="ev_stack.methods")}
+_LIMITS = (resource.RLIMIT_AS, resource.RLIMIT_DATA, resource.RLIMIT_FSIZE, resource.RLIMIT_NOFILE)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -55,24 +65,58 @@ def nothing_left_behind() -> Iterator[None]:
 
     What a module of an installed package registers, when it is imported at last, is there for all.
     """
-    before = _shared()
+    yield from _unchanged("this test")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def nothing_left_behind_by_a_module() -> Iterator[None]:
+    """Nor do the fixtures that the tests of a module share."""
+    yield from _unchanged("a fixture of this module")
+
+
+def _unchanged(who: str) -> Iterator[None]:
+    shared, alive = _shared(), _alive()
     yield
-    after = _shared()
-    for what, value in before.items():
-        assert after[what] == value, f"this test leaves other {what} behind"
+    for what, value in _shared().items():
+        assert value == shared[what], f"{who} leaves other {what} behind"
+    if any(not those <= alive[what] for what, those in _alive().items()):
+        gc.collect()  # programs end with the objects that have started them
+        for thread in _alive()["threads"] - alive["threads"]:
+            thread.join(1.0)  # it may be about to end
+    for what, those in _alive().items():
+        assert those <= alive[what], f"{who} leaves {what} behind"
 
 
 def _shared() -> dict[str, object]:
     """What tests of one process share: by a name, what has to be as it was."""
-    installed = {point.value.partition(".")[0] for point in entry_points(group="ev_stack.methods")}
     return {
         "methods": {
             (role, name): each
             for role, methods in register._REGISTER.items()
             for name, each in methods.items()
-            if each.package not in installed
+            if each.package not in _INSTALLED
         },
-        "variables of the environment": {k: v for k, v in os.environ.items() if k != "PYTEST_CURRENT_TEST"},
+        "variables of the environment": {k: v for k, v in os.environ.items() if k not in _SET_BY_OTHERS},
         "working directory": os.getcwd(),
         "paths of modules": list(sys.path),
+        "handlers of signals": [signal.getsignal(kind) for kind in (signal.SIGINT, signal.SIGTERM)],
+        "limits of the process": [resource.getrlimit(kind) for kind in _LIMITS],
+        "treatment of floating-point errors": np.geterr(),
     }
+
+
+def _alive() -> dict[str, set[object] | bool]:
+    """What lives on behind a test: by a name, what may be less than it was."""
+    return {
+        "threads": {each for each in threading.enumerate() if not each.name.startswith(_OF_LIBRARIES)},
+        "processes": _has_processes(),
+        "a context of rclpy": "rclpy" in sys.modules and sys.modules["rclpy"].ok(),
+    }
+
+
+def _has_processes() -> bool:
+    try:
+        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+    except ChildProcessError:
+        return False
+    return True

@@ -26,7 +26,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.nodes.inverter import InverterNode
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
-PATIENCE = 20.0  # s of wall time
+PATIENCE = 90.0  # s of wall time
 QUICK_CHARGE = {f"{machine}.dc_link.precharge_resistance": 10.0 for machine in ("drive", "load")}
 # A loaded machine may hold a node up for longer than the time-outs of a real bus: here they are no subject.
 PATIENT = {"drive.command_timeout": 1.0, "load.command_timeout": 1.0}

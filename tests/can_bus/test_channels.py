@@ -29,7 +29,7 @@ from ev_core.bus.socketcand_hub import HOST, SocketcandHub
 from ev_msgs_py.can.frame_length import Frame
 
 FRAMES = [Frame(0x20B, bytes(range(8))), Frame(0x701, b"\x01\x02\x03\x04"), Frame(0x18B, b"")]
-PATIENCE = 5.0  # s
+PATIENCE = 30.0  # s
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from can_bus.databases import ours
-from can_bus.test_processes import EXAMPLES, PATIENCE, PATIENT, end, hub_channels, launch, nothing_left_behind, started
+from can_bus.test_processes import EXAMPLES, PATIENCE, PATIENT, end, hub_channels, launch, no_process_left, started
 from ros_graph import ros_domain
 
 from ev_control.inverter_gateway.gateway import GatewayParameters
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.slow
 LAW = "electronic_differential"
 PEDAL, SECONDS, TIMEOUT = 300.0, 0.4, 5.0  # N m, s, and s because a loaded machine holds processes up
 HELD = 15.0  # rad/s, of the left shaft without torque
-USED = nothing_left_behind  # a fixture for all tests here
+USED = no_process_left  # a fixture for all tests here
 
 
 @pytest.fixture(scope="module")

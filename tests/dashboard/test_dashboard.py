@@ -32,10 +32,8 @@ class Dashboard(NamedTuple):
     said: Path
 
 
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dashboard]:
+def started(folder: Path) -> Dashboard:
     """A long run with its dashboard."""
-    folder = tmp_path_factory.mktemp("dashboard")
     words = ["--port", "0", "shchur2019", "--duration", "1000", "--no-record", "--no-report", "--out", str(folder)]
     with (folder / "said.txt").open("w") as said:
         process = subprocess.Popen(
@@ -47,24 +45,43 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dashboard]:
             start_new_session=True,
         )
     assert process.stdout is not None
-    try:
-        yield Dashboard(process, process.stdout.readline().removeprefix("dashboard: ").strip(), folder / "said.txt")
-    finally:
-        if process.poll() is None:
-            process.send_signal(signal.SIGINT)
-        process.communicate(timeout=30)
+    return Dashboard(process, process.stdout.readline().removeprefix("dashboard: ").strip(), folder / "said.txt")
 
 
 @pytest.fixture(scope="module")
-def page(run: Dashboard) -> Iterator[Browser]:
+def dashboards() -> Iterator[list[Dashboard]]:
+    """Those that tests have started."""
+    found: list[Dashboard] = []
+    yield found
+    for each in found:
+        if each.process.poll() is None:
+            each.process.send_signal(signal.SIGINT)
+        each.process.communicate(timeout=30)
+
+
+@pytest.fixture
+def run(dashboards: list[Dashboard], tmp_path_factory: pytest.TempPathFactory) -> Dashboard:
+    """The one that is under way, or another one where a test has ended it."""
+    if not dashboards or dashboards[-1].process.poll() is not None:
+        dashboards.append(started(tmp_path_factory.mktemp("dashboard")))
+    return dashboards[-1]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
     browser = Browser(1300, 1000)
-    try:
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def page(run: Dashboard, browser: Browser) -> Browser:
+    """The browser, at the page of the run."""
+    if browser.run("location.href") != run.url:
         browser.open(run.url)
         browser.wait_for("document.body && document.body.dataset.rows > 3 && shows.has('plant.real_time_factor')")
         browser.wait_for("shows.has('electronic_differential.gamma')")
-        yield browser
-    finally:
-        browser.close()
+    return browser
 
 
 def asked(page: Browser, wish: dict, answer: str) -> str:

@@ -39,13 +39,19 @@ def fed() -> Iterator[FedPage]:
 
 
 @pytest.fixture(scope="module")
-def browser(fed: FedPage) -> Iterator[Browser]:
-    browser = Browser(*SCREEN)
-    try:
-        go_to(browser, fed)
-        yield browser
-    finally:
-        browser.close()
+def window() -> Iterator[Browser]:
+    window = Browser(*SCREEN)
+    yield window
+    window.close()
+
+
+@pytest.fixture
+def browser(window: Browser, fed: FedPage) -> Browser:
+    """The window, at the page of the server, to which it comes back from where a test has left it."""
+    if window.run("location.href") != fed.pages.url:
+        go_to(window, fed)
+        window.complaints.clear()
+    return window
 
 
 def go_to(browser: Browser, fed: FedPage) -> None:
@@ -149,7 +155,7 @@ def test_a_node_that_believes_in_another_car_shows_where_it_differs(fed, browser
 
 
 def test_the_page_says_with_what_it_has_lost_the_connection(browser):
-    """The last test with this browser: of a run that was over, and of one that was not."""
+    """Of a run that was over, and of one that was not."""
     for over, said in (
         (SECONDS, f"The manoeuvre is over since {SECONDS:g} s. The dashboard has ended with it."),
         (2.0, "no connection: the run or the dashboard has ended; trying again"),

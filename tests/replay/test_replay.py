@@ -57,7 +57,7 @@ def test_another_law_differs_from_the_step_in_which_hands_or_column_move(
     assert "torque_request.drive.front_left" in page and "2 of 8 channels differ" in page
 
 
-def test_role_plays_what_was_recorded_in_any_run(turn: Path):
+def test_role_plays_what_was_recorded_in_any_run(turn: Path, tmp_path: Path):
     def hash_of(*more: tuple, duration: float) -> str:
         values = (("driver", "method", str(turn / "signals.npz")), *more)
         run = load_scenario("shchur2019", Overrides((), values, duration)).runs[0]
@@ -69,8 +69,8 @@ def test_role_plays_what_was_recorded_in_any_run(turn: Path):
     with pytest.raises(ParameterError, match=r"are none of a control_period of 0.02 s"):
         hash_of(("*", "control_period", 0.02), duration=11.0)
     with pytest.raises(ParameterError, match="a asr says torque_command, none of it is in the file"):
-        save(Recording(np.zeros(2), {"mine": np.zeros(2)}), turn / "mine.npz")
-        hash_of(("asr", "method", str(turn / "mine.npz")), duration=11.0)
+        save(Recording(np.zeros(2), {"mine": np.zeros(2)}), tmp_path / "mine.npz")
+        hash_of(("asr", "method", str(tmp_path / "mine.npz")), duration=11.0)
 
 
 @pytest.fixture(scope="module")

@@ -201,7 +201,8 @@ def test_list_shows_every_scenario_and_method_in_a_line(capsys):
 @pytest.fixture
 def command(monkeypatch):
     """`ev-stack run shchur2019` in this process, which is as it was afterwards."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run in the background
+    before = {kind: signal.getsignal(kind) for kind in (signal.SIGINT, signal.SIGTERM)}
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run in the background
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
     monkeypatch.setattr(sys, "argv", ["ev-stack", "run", "shchur2019"])
     monkeypatch.setattr(stop_request, "_INTERRUPTS", [])
@@ -210,7 +211,8 @@ def command(monkeypatch):
     monkeypatch.setattr(stop_request.atexit, "_run_exitfuncs", lambda: None)
     monkeypatch.setattr(stop_request.os, "_exit", sys.exit)
     yield ev_stack.main
-    signal.signal(signal.SIGINT, before)
+    for kind, handler in before.items():
+        signal.signal(kind, handler)
 
 
 @pytest.mark.parametrize("when", ["loading", "driving"])

@@ -2,6 +2,7 @@
 
 import os
 import socket
+from contextlib import suppress
 
 import pytest
 
@@ -9,15 +10,21 @@ from ev_sim.recording.outcome import RunFailed
 from ev_sim.running import domain
 from ev_sim.running.domain import NoFreeDomain, free_domain, own_namespace, reserved_domains
 
-FIRST_PORT = 2000
+FIRST_PORTS = range(2000, 7000, 1000)  # far below those of DDS and those that sockets get by chance
 
 
 @pytest.fixture(autouse=True)
-def few_domains(monkeypatch, tmp_path):
-    """Three domains at ports that no run uses, far below those of DDS and those that sockets get by chance."""
-    monkeypatch.setattr(domain, "_FIRST_PORT", FIRST_PORT)
+def first_port(monkeypatch, tmp_path):
+    """Three domains at ports that no run uses, nor a test beside this one: it would hold the first of them."""
     monkeypatch.setattr(domain, "_DOMAINS", range(1, 4))
     monkeypatch.setattr(domain.tempfile, "gettempdir", lambda: str(tmp_path))
+    for port in FIRST_PORTS:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as held, suppress(OSError):
+            held.bind(("", port))
+            monkeypatch.setattr(domain, "_FIRST_PORT", port)
+            yield port
+            return
+    pytest.fail(f"the ports {[*FIRST_PORTS]} are all in use")
 
 
 def test_runs_at_the_same_time_get_different_domains():
@@ -57,10 +64,10 @@ def test_when_all_are_taken_the_run_does_not_begin():
 
 
 @pytest.mark.parametrize("participant", [0, 1, 7])
-def test_a_domain_in_which_anybody_lives_is_left_alone(participant):
+def test_a_domain_in_which_anybody_lives_is_left_alone(participant, first_port):
     """Participant n of a domain listens 250 domain + 10 + 2 n above the first port (DDSI-RTPS 9.6.1.1)."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-        stranger.bind(("127.0.0.1", FIRST_PORT + 250 + 10 + 2 * participant))
+        stranger.bind(("127.0.0.1", first_port + 250 + 10 + 2 * participant))
         with free_domain() as free:
             assert free == 2
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -91,7 +92,7 @@ def folder(tmp_path_factory) -> Iterator[Path]:
         patch.syspath_prepend(made)
         importlib.import_module("row_law")
         yield made
-        del register._REGISTER["asr"]["row_law"]
+        del register._REGISTER["asr"]["row_law"], sys.modules["row_law"]
 
 
 def cases(folder: Path) -> list[Case]:

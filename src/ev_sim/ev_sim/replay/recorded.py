@@ -123,7 +123,8 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
         largest = f"{2 * SIGNALS // MEGABYTE} MB"
         raise ParameterError(f"{bag}: the bag cannot be read: unfolded it takes more than {largest}") from None
     except Exception as error:  # whatever the library and its decompressors raise for what is no bag
-        raise ParameterError(f"{bag}: the bag cannot be read: {' '.join(str(error).split())[:200]}") from None
+        reason = str(error).partition("\n")[0][:200]  # what follows shows the content of the file
+        raise ParameterError(f"{bag}: the bag cannot be read: {reason}") from None
     namespaces = sorted({namespace for namespace, _ in data})
     if wanted not in namespaces and (wanted or len(namespaces) != 1):
         have = f"those of {', '.join(namespaces)}" if namespaces else "none"

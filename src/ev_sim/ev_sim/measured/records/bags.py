@@ -151,4 +151,5 @@ def _opened(bag: Path) -> Iterator[AnyReader]:
             f"{bag}: unfolded it takes more memory than there is ({SIGNALS // MEGABYTE} MB packed)"
         ) from None
     except Exception as error:  # whatever the library and its decompressors raise for what is no bag
-        raise ParameterError(f"{bag}: the bag cannot be read: {' '.join(str(error).split())[:200]}") from None
+        reason = str(error).partition("\n")[0][:200]  # what follows shows the content of the file
+        raise ParameterError(f"{bag}: the bag cannot be read: {reason}") from None
