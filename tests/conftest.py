@@ -5,7 +5,6 @@ import os
 import resource
 import signal
 import sys
-import threading
 from collections.abc import Iterator
 from itertools import groupby
 
@@ -21,8 +20,6 @@ settings.register_profile("ours", deadline=None, max_examples=20)
 settings.load_profile("ours")
 
 ALL = "--all-cases"
-# Names with which threads begin that libraries keep: for a process, and the last for as long as a loop of events.
-_OF_LIBRARIES = ("tqdm_monitor", "IO loop", "Dask", "asyncio_")
 _SET_BY_OTHERS = {"PYTEST_CURRENT_TEST", "PYGAME_HIDE_SUPPORT_PROMPT"}  # gymnasium does that when it is imported
 _INSTALLED = {point.value.partition(".")[0] for point in entry_points(group="ev_stack.methods")}
 _LIMITS = (resource.RLIMIT_AS, resource.RLIMIT_DATA, resource.RLIMIT_FSIZE, resource.RLIMIT_NOFILE)
@@ -75,27 +72,25 @@ def nothing_left_behind_by_a_module() -> Iterator[None]:
 
 
 def _unchanged(who: str) -> Iterator[None]:
-    shared, alive = _shared(), _alive()
+    methods, shared, alive = _methods(), _shared(), _alive()
     yield
+    left = {which: each for which, each in _methods().items() if which in methods or each.package not in _INSTALLED}
+    assert left == methods, f"{who} leaves other methods behind"
     for what, value in _shared().items():
         assert value == shared[what], f"{who} leaves other {what} behind"
-    if any(not those <= alive[what] for what, those in _alive().items()):
+    if any(is_alive and not alive[what] for what, is_alive in _alive().items()):
         gc.collect()  # programs end with the objects that have started them
-        for thread in _alive()["threads"] - alive["threads"]:
-            thread.join(1.0)  # it may be about to end
-    for what, those in _alive().items():
-        assert those <= alive[what], f"{who} leaves {what} behind"
+    for what, is_alive in _alive().items():
+        assert alive[what] or not is_alive, f"{who} leaves {what} behind"
+
+
+def _methods() -> dict[tuple[str, str], register.Method]:
+    return {(role, name): each for role, methods in register._REGISTER.items() for name, each in methods.items()}
 
 
 def _shared() -> dict[str, object]:
     """What tests of one process share: by a name, what has to be as it was."""
     return {
-        "methods": {
-            (role, name): each
-            for role, methods in register._REGISTER.items()
-            for name, each in methods.items()
-            if each.package not in _INSTALLED
-        },
         "variables of the environment": {k: v for k, v in os.environ.items() if k not in _SET_BY_OTHERS},
         "working directory": os.getcwd(),
         "paths of modules": list(sys.path),
@@ -105,10 +100,9 @@ def _shared() -> dict[str, object]:
     }
 
 
-def _alive() -> dict[str, set[object] | bool]:
-    """What lives on behind a test: by a name, what may be less than it was."""
+def _alive() -> dict[str, bool]:
+    """What lives on behind a test. Threads do not count: many are of libraries, and end when they like."""
     return {
-        "threads": {each for each in threading.enumerate() if not each.name.startswith(_OF_LIBRARIES)},
         "processes": _has_processes(),
         "a context of rclpy": "rclpy" in sys.modules and sys.modules["rclpy"].ok(),
     }
