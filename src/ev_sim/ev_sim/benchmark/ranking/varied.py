@@ -46,9 +46,9 @@ def differences_by_variation(
     """
     of_cells, found = [numbers_drawn(board, cell)[1] for cell in cells], {}
     for variation in board.variations:
-        drawn = np.array([of[variation.parameter] for of in of_cells])
-        (least, with_least), (most, with_most) = _extremes(variation, drawn)
-        if least != most:
+        if len(set(variation.choice)) != 1:
+            drawn = np.array([of[variation.parameter] for of in of_cells])
+            (least, with_least), (most, with_most) = _extremes(variation, drawn)
             of = {name: mantel_haenszel(values, with_least, with_most) for name, values in counted.items()}
             found[variation.parameter] = Varied(least, most, of)
     return found
