@@ -12,7 +12,7 @@ import json
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from itertools import groupby
+from itertools import groupby, zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -40,27 +40,22 @@ def kept_board(folder: Path, declared: Board) -> dict[str, Any]:
     board = json.loads((folder / "board.json").read_text(encoding="utf-8"))
     laws, cells = list(board["scores"]), {}
     hold_against(board | {"laws": laws}, declared)
-    declared_cells = {each.id("*"): each for each in declared.cells()}
     costs: dict[str, list[np.ndarray]] = {cost: [] for cost in COSTS}
     unstable = []
-    for cell, runs in _runs_of_cells(folder / "runs.jsonl.gz"):
+    for cell, runs in _runs_of_cells(folder / "runs.jsonl.gz", declared.cells()):
         of_laws = {law: list(of) for law, of in groupby(runs, key=lambda run: run["law"])}
         if list(of_laws) != laws or any(len(of) != board["draws"] for of in of_laws.values()):
-            raise ValueError(f"{cell} has not {board['draws']} runs of each law of board.json")
-        if cell not in declared_cells:
-            raise ValueError("runs.jsonl.gz has other cells than board.json")
-        _hold_draws(declared, declared_cells[cell], runs)
+            raise ValueError(f"{cell.id('*')} has not {board['draws']} runs of each law of board.json")
+        _hold_draws(declared, cell, runs)
         for cost, of_cost in costs.items():
             of_cost.append(_of_runs(of_laws, f"{cost}_cost"))
         unstable.append(_of_runs(of_laws, "unstable"))
-        cells[cell] = {
+        cells[cell.id("*")] = {
             **{cost: _kept(interquartile_mean(of_cost[-1])) for cost, of_cost in costs.items()},
             "unstable": _kept(unstable[-1].mean(axis=-1)),
             "medians": {name: _kept(medians(_of_runs(of_laws, name))) for name in runs[0] if name not in _NO_METRICS},
             "hashes": [of[0]["signal_hash"][:DIGITS] for of in of_laws.values()],
         }
-    if list(cells) != board["cells"]:
-        raise ValueError("runs.jsonl.gz has other cells than board.json")
     return {
         **{name: board[name] for name in ABOUT},
         "laws": laws,
@@ -105,9 +100,13 @@ def _lines(of: dict[str, Any]) -> str:
     return ",\n".join(f"{json.dumps(name)}: {json.dumps(each, allow_nan=False)}" for name, each in of.items())
 
 
-def _runs_of_cells(path: Path) -> Iterator[tuple[str, list[dict[str, Any]]]]:
+def _runs_of_cells(path: Path, cells: Sequence[Cell]) -> Iterator[tuple[Cell, list[dict[str, Any]]]]:
+    """Cell by cell what a file has of them; ValueError unless it has these cells in this order."""
     with gzip.open(path, "rt", encoding="utf-8") as lines:
-        for cell, runs in groupby(map(json.loads, lines), key=lambda run: run["cell"]):
+        found = groupby(map(json.loads, lines), key=lambda run: run["cell"])
+        for cell, (name, runs) in zip_longest(cells, found, fillvalue=(None, None)):
+            if not isinstance(cell, Cell) or name != cell.id("*"):
+                raise ValueError("runs.jsonl.gz has other cells than board.json")
             yield cell, list(runs)
 
 

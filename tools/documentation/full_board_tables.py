@@ -81,11 +81,10 @@ def ends() -> str:
     lost = 100.0 * np.array([of["unstable"] for of in cells.values()]).T
     for i, law in enumerate(kept()["laws"]):
         if i != reference:
-
-            def unstable(n: int, i: int = i) -> str:
-                both = lost[[i, reference], n]
-                return f"; unstable {both[0]:.0f} for {both[1]:.0f} %" if max(both) >= 0.5 else ""
-
+            pairs = lost[[i, reference]].T
+            unstable = [
+                f"; unstable {one:.0f} for {other:.0f} %" if max(one, other) >= 0.5 else "" for one, other in pairs
+            ]
             rows.append([code(law), *ends_in_words(names, middle[i], middle[reference], unstable)])
     return table(("law", "wins most in", "breaks most in"), rows)
 

@@ -21,6 +21,11 @@ def quoted(value: Any) -> str:
     return shown(_repr(value))
 
 
+def first_line(error: Exception) -> str:
+    """What a library says of a file, in the same bounds, without the lines that show the content of the file."""
+    return str(error).partition("\n")[0][:LONGEST]
+
+
 def _repr(value: Any) -> str:
     try:
         return repr(value)

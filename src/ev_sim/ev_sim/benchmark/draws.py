@@ -67,21 +67,24 @@ def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
     """The draws of a cell for its run without a law."""
     seeds, numbers = numbers_drawn(board, cell)
     values: dict[str, list[Any]] = {SEEDS: seeds}
+    told = [1.0] * board.draws
     for variation in board.variations:
         found = numbers[variation.parameter]
-        if variation.parameter == FRICTION:
+        if variation.parameter == TOLD_FRICTION:
+            told = found
+        elif variation.parameter == FRICTION:
             surfaces = [surfaces_of(board, cell, factor) for factor in found]
             for name in ("own_c1", "own_c3"):
                 values[f"{MASTER}.road.{name}"] = [each[name] for each in surfaces]
         elif variation.parameter == MOTOR_FAULT:
             of_run = base[MASTER].values()[_FAULTS]
-            values[f"{MASTER}.{_FAULTS}"] = [[*of_run, *filter(None, [fault])] for fault in found]
-        elif variation.factor and variation.parameter != TOLD_FRICTION:
+            values[f"{MASTER}.{_FAULTS}"] = [[*of_run, fault] if fault else of_run for fault in found]
+        elif variation.factor:
             of_car = value_in(base, variation.parameter)
             values[variation.parameter] = [of_car * factor for factor in found]
-        elif variation.parameter != TOLD_FRICTION:
+        else:
             values[variation.parameter] = found
-    return Draws(values, numbers.get(TOLD_FRICTION, [1.0] * board.draws))
+    return Draws(values, told)
 
 
 def value_in(base: Mapping[str, Configuration], name: str) -> float:

@@ -20,7 +20,7 @@ from ev_core.parameters.data_file import MEGABYTE, SIGNALS, TEXT, RecordingError
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_msgs_py.refusal import ParameterError
+from ev_msgs_py.refusal import ParameterError, first_line
 from ev_msgs_py.wire import MessageError, stamp_of
 from ev_sim.recording import recording
 from ev_sim.recording.outcome import RunFailed
@@ -123,8 +123,7 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
         largest = f"{2 * SIGNALS // MEGABYTE} MB"
         raise ParameterError(f"{bag}: the bag cannot be read: unfolded it takes more than {largest}") from None
     except Exception as error:  # whatever the library and its decompressors raise for what is no bag
-        reason = str(error).partition("\n")[0][:200]  # what follows shows the content of the file
-        raise ParameterError(f"{bag}: the bag cannot be read: {reason}") from None
+        raise ParameterError(f"{bag}: the bag cannot be read: {first_line(error)}") from None
     namespaces = sorted({namespace for namespace, _ in data})
     if wanted not in namespaces and (wanted or len(namespaces) != 1):
         have = f"those of {', '.join(namespaces)}" if namespaces else "none"

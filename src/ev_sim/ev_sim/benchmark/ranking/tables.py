@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -71,24 +71,21 @@ def cell_rows(result: BoardResult) -> list[list[str]]:
 def _ends(result: BoardResult, law: int, reference: int) -> tuple[str, str]:
     """Columns of LAW_COLUMNS."""
     names, middle = [short_id(result, n) for n in range(len(result.places))], result.middles["handling"]
-
-    def unstable(n: int) -> str:
-        lost = [int(result.unstable[i, n].sum()) for i in (law, reference)]
-        return f"; unstable {lost[0]} for {lost[1]} of {result.board.draws}" if any(lost) else ""
-
+    lost = result.unstable[[law, reference]].sum(axis=-1).T.tolist()
+    unstable = [f"; unstable {one} for {other} of {result.board.draws}" if one or other else "" for one, other in lost]
     return ends_in_words(names, middle[law], middle[reference], unstable)
 
 
 def ends_in_words(
-    cells: Sequence[str], law: np.ndarray, reference: np.ndarray, unstable: Callable[[int], str]
+    cells: Sequence[str], law: np.ndarray, reference: np.ndarray, unstable: Sequence[str]
 ) -> tuple[str, str]:
     """The cells in which a law's middle cost of handling is farthest below and above that of the reference.
 
-    "nowhere" if that is within EQUAL. `unstable` has words on the unstable runs of a cell.
+    "nowhere" if that is within EQUAL. `unstable` has words on the unstable runs of each cell.
     """
     more = law - reference
     best, worst = int(np.argmin(more)), int(np.argmax(more))
-    won, lost = (f"{cells[n]}: {law[n]:.2f} for {reference[n]:.2f}{unstable(n)}" for n in (best, worst))
+    won, lost = (f"{cells[n]}: {law[n]:.2f} for {reference[n]:.2f}{unstable[n]}" for n in (best, worst))
     return won if more[best] < -EQUAL else "nowhere", lost if more[worst] > EQUAL else "nowhere"
 
 

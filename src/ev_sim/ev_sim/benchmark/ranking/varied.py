@@ -78,16 +78,18 @@ def mantel_haenszel(values: np.ndarray, with_least: np.ndarray, with_most: np.nd
     the most. All cells together give a variance for each kind of runs, and Student's t with the freedom of the fewer
     ones the interval.
     """
-    counts = np.stack([with_least.sum(axis=-1), with_most.sum(axis=-1)])
-    weights = counts.prod(axis=0) / np.maximum(counts.sum(axis=0), 1)
-    freedom = np.maximum(counts - 1, 0) @ (weights > 0.0)
+    both = with_least.any(axis=-1) & with_most.any(axis=-1)
+    values, kinds = values[:, both], np.stack([with_least[both], with_most[both]])
+    counts = kinds.sum(axis=-1)
+    freedom = (counts - 1).sum(axis=-1)
     if not freedom.min():
         return [Difference(math.nan, math.nan)] * len(values)
-    means, variance = [], 0.0
-    for runs, count, free in zip((with_least, with_most), counts, freedom, strict=True):
-        mean = (values * runs).sum(axis=-1) / np.maximum(count, 1)
-        squares = ((values - mean[..., None]) ** 2 * runs).sum(axis=-1)
-        variance = variance + squares @ (weights > 0.0) / free * (weights**2 / np.maximum(count, 1)).sum()
+    weights = counts.prod(axis=0) / counts.sum(axis=0)
+    means, variance = [], np.zeros(len(values))
+    for runs, count, free in zip(kinds, counts, freedom, strict=True):
+        mean = (values * runs).sum(axis=-1) / count
+        squares = ((values - mean[..., None]) ** 2 * runs).sum(axis=(-2, -1))
+        variance += squares / free * (weights**2 / count).sum()
         means.append(mean)
     found = (means[1] - means[0]) @ weights / weights.sum()
     halves = student.ppf(0.5 + 0.5 * CONFIDENCE, freedom.min()) * np.sqrt(variance) / weights.sum()

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ev_core.parameters.data_file import MEGABYTE, SIGNALS, open_data
-from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_msgs_py.refusal import ParameterError, first_line, quoted, unknown_name
 from ev_sim.measured.records.record import (
     LATERAL,
     LATERAL_ACCELERATION,
@@ -151,5 +151,4 @@ def _opened(bag: Path) -> Iterator[AnyReader]:
             f"{bag}: unfolded it takes more memory than there is ({SIGNALS // MEGABYTE} MB packed)"
         ) from None
     except Exception as error:  # whatever the library and its decompressors raise for what is no bag
-        reason = str(error).partition("\n")[0][:200]  # what follows shows the content of the file
-        raise ParameterError(f"{bag}: the bag cannot be read: {reason}") from None
+        raise ParameterError(f"{bag}: the bag cannot be read: {first_line(error)}") from None
