@@ -158,6 +158,11 @@ def test_combined_hash_knows_which_run_is_which():
     assert combined_hash({"a": one, "b": other}) != combined_hash({"a": other, "b": one})
 
 
+def test_combined_hash_of_one_run_is_that_of_its_signals_whatever_it_is_called():
+    one = signal_hash(small_recording())
+    assert combined_hash({"a": one}) == combined_hash({"b": one}) == one
+
+
 def test_signals_npz_is_bit_exact(tmp_path):
     """Negative zero, the smallest subnormal and a NaN with a payload come back as they were."""
     odd = np.array([-0.0, 5e-324, -np.inf, 0.1])

@@ -15,7 +15,7 @@ from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.command_line.options import arguments, overrides
 from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import combined_hash, signal_hash
+from ev_sim.recording.recording import signal_hash
 from ev_sim.scenarios.scenario import Run, load_scenario
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def _offline(words: tuple[str, ...]) -> str:
     try:
         with _LOCK:
             run = load_scenario(given.scenario, overrides(given)).runs[0]
-            return combined_hash({run.name: signal_hash(run_offline(run.configurations, run.duration))})
+            return signal_hash(run_offline(run.configurations, run.duration))
     except (ParameterError, SignalError, OSError) as error:
         return f"refused: {error}"
 

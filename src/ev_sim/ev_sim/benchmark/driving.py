@@ -17,7 +17,6 @@ from ev_sim.benchmark.board import Board, Cell
 from ev_sim.benchmark.cell_runs import law_of, law_values, run_of, values_of
 from ev_sim.benchmark.draws import drawn, own_draws
 from ev_sim.benchmark.entry_speed import CLEAN, END, HASH, Driven, at_highest_clean
-from ev_sim.recording.recording import combined_hash
 from ev_sim.scenarios.scenario import Run
 
 
@@ -57,7 +56,7 @@ def drive_cell(board: Board, cell: Cell, laws: Sequence[str], threads: int | Non
         driven.metrics[law] = {name: of for name, of in found.items() if name not in (CLEAN, HASH, END)}
         driven.clean[law] = found.get(CLEAN, np.ones(board.draws)) == 1.0
         driven.commands[law] = list(map(shlex.join, words))
-        driven.hashes[law] = [each and combined_hash({runs.run.name: each}) for each in found[HASH].tolist()]
+        driven.hashes[law] = found[HASH].tolist()
     return driven
 
 
