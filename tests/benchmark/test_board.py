@@ -43,6 +43,17 @@ def test_cells_are_cars_by_manoeuvres_by_roads():
         SMALL.cells("x:y")
 
 
+def test_a_metric_with_the_name_of_a_field_is_refused_before_anything_is_driven(result: BoardResult):
+    """Every field of the record of a run, and every name that the search of a speed keeps beside metrics."""
+    step = SMALL.manoeuvres["step_steer"]
+    (cell,) = SMALL.cells(STEP)
+    fields = next(iter(result.runs())).keys() - named_metrics(step.measured).keys()
+    for name in (*fields, "clean", "runs_driven"):
+        named = replace(step, recorded=[f"{name} [rad/s] = largest_magnitude(imu.yaw_rate)"])
+        with pytest.raises(ParameterError, match=f"metric {name} of step_steer has the name of a field"):
+            values_of(replace(SMALL, manoeuvres={"step_steer": named}), cell)
+
+
 def test_every_cell_has_a_graph_and_every_law_suits_it():
     """The whole board without driving it: names of vehicles, runs, parameters, surfaces."""
     for cell in SMALL.cells("*:handling:*"):

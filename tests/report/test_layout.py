@@ -52,7 +52,7 @@ def swept(varied: int) -> dict[str, Sheet]:
 
     def measured(number: int) -> dict:
         values = {name: number * 10.0 ** (n % 9 - 4) for n, name in enumerate(units)}
-        return {**values, "units": units, "reasons": {}}
+        return {"metrics": values, "units": units, "reasons": {}}
 
     return sweep.figures(given, results_of([case.name for case in sweep.cases(given)], measured))
 

@@ -178,6 +178,21 @@ def test_metrics_are_named_before_anything_is_driven():
         assert str(error.value).startswith(said)
 
 
+RESERVED = ("metrics", "units", "reasons", "better", "time", "speed", "x", "method", "seed", "value")
+
+
+@pytest.mark.parametrize("study", ["sweep", "compare"])
+@pytest.mark.parametrize("name", RESERVED)
+def test_a_metric_of_any_name_is_measured(study, name, tmp_path, capsys):
+    """A name of a user's overwrites nothing that a study keeps of a run under the same name."""
+    words = {"sweep": ["step_steer", "--seeds", "2"], "compare": ["--scenario", "step_steer", "--methods", "equal_torque"]}
+    metric = f"{name} [m/s] = last(twist.longitudinal)"
+    main([study, *words[study], "--duration", "0.1", "--metrics", metric, "--out", str(tmp_path), "--workers", "1"])
+    cases = json.loads((tmp_path / "summary.json").read_text())["cases"]
+    assert {round(case["measured"][name]) for case in cases.values()} == {22}  # of 80 km/h
+    assert f"{name} [m/s]" in capsys.readouterr().out
+
+
 def test_the_terminal_shows_each_number_once_and_how_long_it_takes(tmp_path, capsys):
     words = ["--seeds", "2", "--duration", "0.1", "--workers", "1", "--no-report", "--out", str(tmp_path / "out")]
     main(["sweep", "shchur2019", *words, "--metrics", "drive_energy,peak_slip_of_none [1] = last(time)"])

@@ -14,9 +14,10 @@ from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.variation import EVERY_ROLE
-from ev_sim.benchmark.board import SIDES, Board, Cell, by_role
-from ev_sim.benchmark.entry_speed import searched_at
+from ev_sim.benchmark.board import COSTS, SIDES, Board, Cell, by_role
+from ev_sim.benchmark.entry_speed import CLEAN, DRIVEN, searched_at
 from ev_sim.measures.metric import NotMeasured
+from ev_sim.measures.own_metrics import named_metrics
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
 from ev_sim.scenarios.scenario import Overrides, Run, Scenario, load_scenario
 from ev_sim.scenarios.slow_ramp import COLUMN, SCALE, angle_at, driven_slowly
@@ -25,11 +26,19 @@ from ev_sim.surfaces import SURFACES
 TYRES = ("single_track", "known.observer", "observer")  # groups in which laws keep what they believe of the tyres
 SCALE_OF_ANGLES = f"{COLUMN}.{SCALE}"
 SEEDS = f"{EVERY_ROLE}.seed"
+# What stands beside the metrics in the record of a run (ranking/result.py) or in what is driven (entry_speed.py).
+FIELDS = ("cell", "law", "draw", "unstable", *(f"{cost}_cost" for cost in COSTS), "signal_hash", "command")
+FIELDS += ("once_more", CLEAN, DRIVEN)
 
 
 def values_of(board: Board, cell: Cell) -> dict[str, Any]:
     """By ROLE.PARAMETER what is the same in all runs of a cell: layout, road, and what the manoeuvre sets."""
     manoeuvre = board.manoeuvres[cell.manoeuvre]
+    for name in named_metrics(manoeuvre.measured):
+        if name in FIELDS:
+            raise ParameterError(
+                f"metric {name} of {cell.manoeuvre} has the name of a field of records, expected is another name"
+            )
     searched = searched_at(manoeuvre, np.array(manoeuvre.searched[:1]))
     varied = [each.parameter for each in board.variations]
     for number, name in enumerate(varied):

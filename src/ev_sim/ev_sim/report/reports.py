@@ -148,9 +148,12 @@ def further_metrics(run: Run, texts: Sequence[str], must_exist: bool = True) -> 
 
 
 def row_of(metrics: Mapping[str, Metric]) -> dict[str, Any]:
-    """Metrics as a study keeps them: values by name, the units, what is better, and why some have no value."""
+    """Metrics as a study keeps them: values, units, what is better, and why some have no value, each by name.
+
+    The values are in a mapping of their own: a metric of a user's may have any name.
+    """
     return {
-        **{name: each.value for name, each in metrics.items() if each.value is not None},
+        "metrics": {name: each.value for name, each in metrics.items() if each.value is not None},
         "units": {name: each.unit for name, each in metrics.items()},
         "reasons": {name: each.note for name, each in metrics.items() if each.value is None},
         "better": {name: each.better for name, each in metrics.items() if each.better},

@@ -87,7 +87,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     shown, driven = _shown(given, results), {n: r.measured for n, r in results.items() if not r.refused}
     return {
         f"{name}_{law}": Metric(
-            measured.get(name),
+            measured["metrics"].get(name),
             unit,
             reason=measured["reasons"].get(name, ""),
             better=METRICS[name].better if name in METRICS else "",
@@ -101,7 +101,7 @@ def table(given: argparse.Namespace, results: Results) -> tuple[Sequence[str], l
     """Columns, and for each method that could be driven a row of its metrics."""
     shown, driven = _shown(given, results), {n: r.measured for n, r in results.items() if not r.refused}
     columns = ("method", *(f"{name} [{unit}]" for name, unit in shown.items()))
-    return columns, [[law, *(measured.get(name) for name in shown)] for law, measured in driven.items()]
+    return columns, [[law, *(measured["metrics"].get(name) for name in shown)] for law, measured in driven.items()]
 
 
 def better(given: argparse.Namespace, results: Results) -> dict[str, str]:

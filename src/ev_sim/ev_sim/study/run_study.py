@@ -284,7 +284,8 @@ def _summary(
 
 
 def _entry(case: Case, result: CaseResult, signals: str | None) -> dict[str, Any]:
-    plain = {key: each for key, each in result.measured.items() if isinstance(each, str | int | float | bool | None)}
+    found = {**result.measured, **result.measured.get("metrics", {})}  # of which the others are no plain values
+    plain = {key: each for key, each in found.items() if isinstance(each, str | int | float | bool | None)}
     return {
         "scenario": case.scenario,
         "run": case.run,

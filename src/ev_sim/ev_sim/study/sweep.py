@@ -24,7 +24,7 @@ from ev_sim.report.reports import further_metrics, measured_metrics, row_of
 from ev_sim.report.tables import cell, tables_by_width
 from ev_sim.scenarios.parameter_file import read_yaml
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results, better_by_column, not_measured, run_of_command
+from ev_sim.study.study import Case, CaseResult, Results, better_by_column, not_measured, run_of_command
 
 ABOUT = "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or maps"
 SEED = "seed"
@@ -140,8 +140,13 @@ def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:
     for result in results.values():
         units |= result.measured.get("units", {})
     chosen = [text if text in units else named_metric(text).name for text in listed(given.metrics)]
-    known = {name for result in results.values() for name in result.measured}
+    known = {name for result in results.values() for name in _values_of(result)}
     return {name: units.get(name, "") for name in chosen or units if chosen or name in known}
+
+
+def _values_of(result: CaseResult) -> Mapping[str, float]:
+    """By name the metrics of a run that have a value; none of one that was refused."""
+    return result.measured.get("metrics", {})
 
 
 def table(given: argparse.Namespace, results: Results) -> tuple[list[str], list[list[Any]]]:
@@ -149,14 +154,14 @@ def table(given: argparse.Namespace, results: Results) -> tuple[list[str], list[
     varied, shown = variations(given), _shown(given, results)
     columns = [*varied, *(f"{name} [{unit}]" for name, unit in shown.items())]
     combined = zip(itertools.product(*varied.values()), results.values(), strict=True)
-    return columns, [[*values, *(result.measured.get(name) for name in shown)] for values, result in combined]
+    return columns, [[*values, *(_values_of(result).get(name) for name in shown)] for values, result in combined]
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """The least and the largest of each metric over all runs."""
     found = {}
     for name, unit in _shown(given, results).items():
-        values = [result.measured[name] for result in results.values() if name in result.measured]
+        values = [of[name] for of in map(_values_of, results.values()) if name in of]
         if values:
             found |= {f"{name}_least": Metric(min(values), unit), f"{name}_largest": Metric(max(values), unit)}
     return found
@@ -187,7 +192,7 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
         return {}
     panels = []
     for name, unit in _shown(given, results).items():
-        found = [result.measured.get(name) for result in results.values()]
+        found = [_values_of(result).get(name) for result in results.values()]
         values = np.array([math.nan if value is None else value for value in found]).reshape(*lengths, seeds)
         shown, factor = IN_FIGURES.get(unit, (unit, 1.0))
         title, (*y, x) = readable(name), axes.items()
