@@ -17,9 +17,10 @@ from ev_core.methods import register
 from ev_core.parameters.data_file import files_read, find_in_config
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.study import kept_rows
+from ev_sim.scenarios import about
+from ev_sim.study import digests, kept_rows
 from ev_sim.study.kept_rows import KeptRows, MeasureAndSave
-from ev_sim.study.study import Case, CaseResult, drive_case
+from ev_sim.study.study import GROUP, Case, CaseResult, drive_case
 
 LAW = '''"""A law of somebody's own."""
 
@@ -59,7 +60,12 @@ DEPENDENTS = {  # by what a file is called the cases that read it
     "bus.dbc": {"bus"},
     "row_law.py": {"law", "law by its path"},
     "row_law_gain.py": {"law", "law by its path"},
+    "row_source/report.py": {"own report"},
+    "row_source/scale.py": {"own report"},
+    "row_source/source.py": {"own report"},
+    "row_source/published.csv": {"own report"},
 }
+OFFERED = {"ev_stack.reports": "row_source.report", "ev_stack.sources": "row_source.source"}
 
 
 def in_config(name: str) -> Path:
@@ -88,8 +94,16 @@ def folder(tmp_path_factory) -> Iterator[Path]:
     (made / "bus.dbc").write_bytes(in_config("can/ev_bench.dbc").read_bytes())
     (made / "row_law.py").write_text(LAW)
     (made / "row_law_gain.py").write_text("GAIN = 1.0\n")
+    (made / "row_source").mkdir()
+    for name in ("__init__.py", "scale.py", "source.py", "published.csv"):
+        (made / "row_source" / name).write_text("# a source of somebody's own\n")
+    (made / "row_source" / "report.py").write_text("from row_source.scale import SCALE\n")
+    (made / "reported.yaml").write_text(own.replace("vehicle: audi_a2", "report: row_source"))
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(made)
+        offered = {group: {**register.offered(group), "row_source": module} for group, module in OFFERED.items()}
+        for module in (digests, about):
+            patch.setattr(module, "offered", lambda group: offered.get(group) or register.offered(group))
         importlib.import_module("row_law")
         yield made
         del register._REGISTER["asr"]["row_law"], sys.modules["row_law"]
@@ -106,11 +120,12 @@ def cases(folder: Path) -> list[Case]:
         Case("bus", "bench_fault", tuple((n, "bus.database", bus) for n in ("test_bench", "inverter_gateway"))),
         Case("law", "coast_down", (("asr", "method", "row_law"),)),
         Case("law by its path", "coast_down", (("asr", "method", str(folder / "row_law.py")),)),
+        Case("own report", str(folder / "reported.yaml")),
     ]
 
 
 def keys(folder: Path) -> dict[str, str]:
-    kept_rows._texts_of.cache_clear()  # another process would begin so
+    digests._texts_of.cache_clear()  # another process would begin so
     return {case.name: kept_rows.row_key("sweep", case) for case in cases(folder)}
 
 
@@ -140,6 +155,29 @@ def test_a_changed_file_changes_the_rows_that_depend_on_it_and_no_others(folder,
     assert {name for name in now if now[name] != latest[name]} == set().union(*(DEPENDENTS[c] for c in changed))
     assert len(set(now.values())) == len(now)
     latest |= now
+
+
+def test_what_is_published_counts_where_a_report_judges_by_it(monkeypatch):
+    """A row has metrics of its report, whose words and units stand in published.csv."""
+    case = Case("report", "shchur2019")
+    before = kept_rows.row_key("sweep", case)
+    assert digests._published() != digests._digest("", ())
+    monkeypatch.setattr(digests, "_published", lambda: "other")
+    assert kept_rows.row_key("sweep", case) != before
+
+
+def test_a_changed_study_of_ones_own_drives_its_cases_anew(tmp_path, monkeypatch):
+    (tmp_path / "row_study.py").write_text("TIMES = 1.0\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(digests, "offered", lambda group: {"own": "row_study"} if group == GROUP else {})
+
+    def keys() -> list[str]:
+        digests._texts_of.cache_clear()
+        return [kept_rows.row_key(study, CASE) for study in ("own", "sweep")]
+
+    before = keys()
+    change(tmp_path / "row_study.py")
+    assert [one == other for one, other in zip(before, keys(), strict=True)] == [False, True]
 
 
 def test_two_files_that_change_places_are_others(tmp_path):
@@ -229,7 +267,7 @@ def test_what_was_driven_with_other_sources_is_not_taken(tmp_path, monkeypatch):
 
 
 def test_versions_are_of_all_that_computes():
-    assert {"python", "numpy", "scipy", "numba", "llvmlite"} <= kept_rows.versions().keys()
+    assert {"python", "numpy", "scipy", "numba", "llvmlite"} <= digests.versions().keys()
 
 
 def test_a_file_that_changes_while_it_is_driven_is_told(tmp_path):

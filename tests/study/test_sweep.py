@@ -185,7 +185,10 @@ RESERVED = ("metrics", "units", "reasons", "better", "time", "speed", "x", "meth
 @pytest.mark.parametrize("name", RESERVED)
 def test_a_metric_of_any_name_is_measured(study, name, tmp_path, capsys):
     """A name of a user's overwrites nothing that a study keeps of a run under the same name."""
-    words = {"sweep": ["step_steer", "--seeds", "2"], "compare": ["--scenario", "step_steer", "--methods", "equal_torque"]}
+    words = {
+        "sweep": ["step_steer", "--seeds", "2"],
+        "compare": ["--scenario", "step_steer", "--methods", "equal_torque"],
+    }
     metric = f"{name} [m/s] = last(twist.longitudinal)"
     main([study, *words[study], "--duration", "0.1", "--metrics", metric, "--out", str(tmp_path), "--workers", "1"])
     cases = json.loads((tmp_path / "summary.json").read_text())["cases"]

@@ -143,14 +143,14 @@ def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Pa
 
 
 def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    from ev_sim.study import kept_rows
+    from ev_sim.study import digests
 
     Kept(tmp_path)
     before = set(tmp_path.iterdir())
-    files = [*kept_rows._config()]
+    files = [*digests._config()]
     other = tmp_path / "other.yaml"
     other.write_text("x: 1\n")
-    monkeypatch.setattr(kept_rows, "_config", lambda: [*files, ("other.yaml", other)])
+    monkeypatch.setattr(digests, "_config", lambda: [*files, ("other.yaml", other)])
     Kept(tmp_path)
     assert [path.is_dir() for path in set(tmp_path.iterdir()) - before - {other}] == [True]
 

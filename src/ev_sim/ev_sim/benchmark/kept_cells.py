@@ -20,7 +20,8 @@ from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import atomic_file
 from ev_sim.running.folder_content import digest_of
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.kept_rows import digest_of_sources, run_key, short_digest
+from ev_sim.study.digests import digest_of_sources, short_digest
+from ev_sim.study.kept_rows import run_key
 
 FOLDER, BROKEN = "driven", "broken"
 Part = Mapping[str, np.ndarray]  # of a law in a cell

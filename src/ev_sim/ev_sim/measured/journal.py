@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ev_sim.measured.replays.open_loop import OpenLoop
-from ev_sim.study.kept_rows import digest_of_sources
+from ev_sim.study.digests import digest_of_sources, text_of_method
 
 _DIGEST, _LENGTH = hashlib.sha256().digest_size, 8  # bytes before each answer
 
@@ -63,7 +63,10 @@ class Journal:
 
 def search_key(replay: OpenLoop, *choices: object) -> str:
     """A digest of our sources, record, windows, car and what was chosen for a search."""
-    roles = {role: (each.method.name, each.values()) for role, each in replay.configurations.items()}
+    roles = {
+        role: (each.method.name, text_of_method(each.method), each.values())
+        for role, each in replay.configurations.items()
+    }
     content = hashlib.sha256(repr((digest_of_sources(), roles, replay.is_imposed, choices)).encode())
     for values in (replay.windows.first, *(values for _, values in sorted(replay.record.channels.items()))):
         content.update(np.ascontiguousarray(values).tobytes())

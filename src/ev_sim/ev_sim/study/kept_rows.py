@@ -6,75 +6,23 @@ library's, such as joblib's, knows the arguments of a function, but neither the 
 
 from __future__ import annotations
 
-import ast
 import dataclasses
-import hashlib
 import json
-import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache
-from importlib import import_module
-from importlib.util import find_spec, resolve_name
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ev_core.methods.register import Method
-from ev_core.parameters.data_file import SIGNALS, config_folders, files_read, read_data
+from ev_core.parameters.data_file import SIGNALS, files_read, read_data
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import Recording, atomic_file, save
-from ev_sim.report.summary import PACKAGES, versions
 from ev_sim.scenarios.scenario import Run
+from ev_sim.study.digests import digest_of_sources, short_digest, text_of_method, text_of_report, text_of_study
 from ev_sim.study.study import Case, CaseResult, Measure, run_of
-
-_INSTALLED = frozenset(("site-packages", "dist-packages"))
-
-
-def imported_files(module: str, but: Collection[str]) -> list[Path]:
-    """Those of a module by its name, apart from Python's own and those of some packages; libraries in C as well.
-
-    The imports of other installed packages are left out.
-    """
-    found: dict[str, Path] = {}
-    waiting, own = [module], module.partition(".")[0]
-    for name in waiting:
-        top = name.partition(".")[0]
-        file = None if name in found or top in but or top in sys.stdlib_module_names else _file(name)
-        if file is not None:
-            found[name] = file
-            waiting += _imports(name, file) if top == own or not _INSTALLED.intersection(file.parts) else ()
-    return list(dict.fromkeys(found.values()))
-
-
-def _file(module: str) -> Path | None:
-    try:
-        spec = find_spec(module)
-    except (ImportError, AttributeError, ValueError):  # a name in a module, no module; or none of this machine
-        return None
-    return Path(spec.origin) if spec is not None and spec.has_location and spec.origin else None
-
-
-def _imports(module: str, file: Path) -> Iterator[str]:
-    """The modules that a text may mean; a name that is imported from a package may be one, too."""
-    package = module if file.name == "__init__.py" else module.rpartition(".")[0]
-    for node in ast.walk(ast.parse(file.read_bytes() if file.suffix == ".py" else "")):
-        if isinstance(node, ast.Import | ast.ImportFrom):
-            names = [alias.name for alias in node.names]
-            if isinstance(node, ast.ImportFrom):
-                base = resolve_name("." * node.level + (node.module or ""), package)
-                names = [base, *(f"{base}.{name}" for name in names)]
-            for name in names:
-                parts = name.split(".")
-                yield from (".".join(parts[: n + 1]) for n in range(len(parts)))
-
-
-NEVER_DRIVES = ("ev_sim/commands", "ev_sim/dashboard", "ev_sim/report/page")
-_OURS = ("ev_msgs_py", "ev_core", "ev_control", "ev_sim", "ev_papers")
-_LENGTH = 24  # hexadecimal digits
 
 
 def case_key(case: Case) -> str:
@@ -86,7 +34,7 @@ def case_key(case: Case) -> str:
 
 def row_key(study: str, case: Case) -> str:
     """A digest of all that what a study measures on a case depends on, but for `digest_of_sources`; as `run_key`."""
-    key, _ = run_key(lambda: run_of(case), study)
+    key, _ = run_key(lambda: run_of(case), study, text_of_study(study))
     return key
 
 
@@ -94,59 +42,17 @@ def run_key(make: Callable[[], Run], *choices: object) -> tuple[str, Run]:
     """A digest of choices and of all that driving a run depends on, but for `digest_of_sources`; and the run.
 
     It is of the run that is made, with all its values, the names and texts of the files that were read for it, and the
-    texts of the methods that are not ours. ParameterError if it is refused, ValueError if a law refuses its vehicle.
+    texts of its methods and of its report that are not ours. ParameterError if it is refused, ValueError if a law
+    refuses its vehicle.
     """
     with files_read() as files:
         run = make()
         for configuration in run.configurations.values():
             configuration.create()
-    roles = {role: (_text_of(each.method), each.values()) for role, each in run.configurations.items()}
+    roles = {role: (text_of_method(each.method), each.values()) for role, each in run.configurations.items()}
     read = sorted((Path(name).name, digest) for name, digest in files.items())
-    return short_digest((*choices, run.name, run.duration, run.report, run.metrics, run.course, roles, read)), run
-
-
-def _text_of(method: Method) -> str:
-    """A digest of the texts of a method and of what they import; empty if it is ours."""
-    return "" if method.package in _OURS else _texts_of(method.documented.__module__)
-
-
-@cache
-def _texts_of(module: str) -> str:
-    return _digest("", ((path.name, path) for path in imported_files(module, but=(*_OURS, *PACKAGES))))
-
-
-def digest_of_sources(without: Sequence[str] = NEVER_DRIVES, config: bool = False) -> str:
-    """The digest of our sources but for some folders, of package versions, and of the config folders if wanted."""
-    return _digest(repr(sorted(versions().items())), [*_sources(without), *(_config() if config else ())])
-
-
-def short_digest(content: object) -> str:
-    """Some digits that change with what is written of a content."""
-    return hashlib.sha256(repr(content).encode()).hexdigest()[:_LENGTH]
-
-
-def _digest(head: str, files: Iterable[tuple[str, Path]]) -> str:
-    digest = hashlib.sha256(head.encode())
-    for name, path in sorted(files):
-        digest.update(f"{name}\0".encode() + path.read_bytes())
-    return digest.hexdigest()[:_LENGTH]
-
-
-def _sources(without: Sequence[str]) -> Iterable[tuple[str, Path]]:
-    for package in _OURS:
-        top = Path(import_module(package).__file__ or "").parent.parent
-        for path in (top / package).rglob("*.py"):
-            name = path.relative_to(top).as_posix()
-            # What the compiler leaves beside the sources follows from them.
-            if "__pycache__" not in path.parts and not name.startswith(tuple(f"{each}/" for each in without)):
-                yield name, path
-
-
-def _config() -> Iterable[tuple[str, Path]]:
-    for config in config_folders():
-        for path in config.rglob("*"):
-            if path.is_file() and "published" not in path.relative_to(config).parts:
-                yield path.relative_to(config).as_posix(), path
+    measured = run.report, text_of_report(run.report), run.metrics, run.course
+    return short_digest((*choices, run.name, run.duration, measured, roles, read)), run
 
 
 DRIVEN = "driven.jsonl"

@@ -24,7 +24,7 @@ from ev_sim.running.beforehand import compile_for
 from ev_sim.running.children import Worker, WorkerLost
 from ev_sim.running.folder_content import digest_of
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.kept_rows import digest_of_sources
+from ev_sim.study.digests import digest_of_sources
 from ev_sim.study.study import Case, CaseResult, Measure, drive_case, run_of
 
 if TYPE_CHECKING:
@@ -92,12 +92,12 @@ def _client(scheduler: str) -> Iterator[Client]:
 
 def refuse_others(client: Client) -> None:
     """Signals are equal to the last bit only where the same text is computed by the same packages."""
-    own, sources = versions(), digest_of_sources(config=True)
+    own, sources = versions(), digest_of_sources(config=True, others=True)
     for worker, theirs in client.run(versions).items():
         for package, version in theirs.items():
             if version != own[package]:
                 raise RunFailed(f"worker {worker} has {package} {version}, allowed is {own[package]} as here")
-    for worker, digest in client.run(digest_of_sources, config=True).items():
+    for worker, digest in client.run(digest_of_sources, config=True, others=True).items():
         if digest != sources:
             raise RunFailed(f"worker {worker} has other sources or config files, allowed are those of here")
 

@@ -27,7 +27,8 @@ from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import Recording, load, save
 from ev_sim.running.folder_content import locked
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
-from ev_sim.study.kept_rows import NEVER_DRIVES, as_json, case_key, decoded, digest_of_sources, result_of
+from ev_sim.study.digests import NEVER_DRIVES, digest_of_sources
+from ev_sim.study.kept_rows import as_json, case_key, decoded, result_of
 from ev_sim.study.run_study import arguments, study_cases
 from ev_sim.study.study import Case, CaseResult, Measure, Results, study_named, study_names
 
@@ -146,7 +147,7 @@ class Kept:
     """
 
     def __init__(self, folder: Path) -> None:
-        self._folder = folder / f"driven_{digest_of_sources(_ONLY_JUDGES, config=True)}"
+        self._folder = folder / f"driven_{digest_of_sources(_ONLY_JUDGES, config=True, others=True)}"
         self._in_use = ExitStack()
         folder.mkdir(parents=True, exist_ok=True)
         with locked(folder, fcntl.LOCK_EX):  # so that nobody removes what is made here before it is locked
