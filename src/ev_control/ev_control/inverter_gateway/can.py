@@ -11,6 +11,7 @@ from ev_control.inverter_gateway.gateway import (
     Device,
     Gateway,
     LockstepGatewayParameters,
+    check_limits,
     latched,
     latched_names,
     watch,
@@ -38,15 +39,15 @@ from ev_msgs_py.contract.optional_signals import MOST_TICKS, FeedbackFrames, Set
 @inlined
 def command_drives(p: LockstepGatewayParameters, g: Gateway, command: WheelTorqueCommand) -> None:
     """Torques of the drives."""
-    _command(p, g.drive_11, frames.TORQUE_MODE, command.drive[int(p.wheel_11)] / p.gear_ratio)
-    _command(p, g.drive_12, frames.TORQUE_MODE, command.drive[int(p.wheel_12)] / p.gear_ratio)
+    _command(g.drive_11, frames.TORQUE_MODE, command.drive[int(p.wheel_11)] / p.gear_ratio)
+    _command(g.drive_12, frames.TORQUE_MODE, command.drive[int(p.wheel_12)] / p.gear_ratio)
 
 
 @inlined
 def command_loads(p: LockstepGatewayParameters, g: Gateway, load: LoadCommand) -> None:
     """Torques or speeds of the load machines."""
-    _command_load(p, g.load_11, load, int(p.wheel_11))
-    _command_load(p, g.load_12, load, int(p.wheel_12))
+    _command_load(g.load_11, load, int(p.wheel_11))
+    _command_load(g.load_12, load, int(p.wheel_12))
 
 
 @inlined
@@ -60,19 +61,19 @@ def watch_bench(
 
 
 @compilable
-def _command(p: LockstepGatewayParameters, s: Device, mode: int, value: float) -> None:
+def _command(s: Device, mode: int, value: float) -> None:
     """A torque [N m] or a speed [rad/s] at the shaft; what is no number is no command."""
     if isfinite(value):
-        leading.command_device(p, s, mode, value)
+        leading.command_device(s, mode, value)
 
 
 @compilable
-def _command_load(p: LockstepGatewayParameters, s: Device, load: LoadCommand, wheel: int) -> None:
+def _command_load(s: Device, load: LoadCommand, wheel: int) -> None:
     """What the virtual car asks of a load machine; in torque mode what brakes counts forwards there."""
     if int(load.mode[wheel]) == frames.SPEED_MODE:
-        _command(p, s, frames.SPEED_MODE, load.speed[wheel])
+        _command(s, frames.SPEED_MODE, load.speed[wheel])
     else:
-        _command(p, s, frames.TORQUE_MODE, -load.torque[wheel])
+        _command(s, frames.TORQUE_MODE, -load.torque[wheel])
 
 
 @compilable
@@ -117,9 +118,10 @@ class LockstepGateway:
 
 
 def prepare(parameters: LockstepGatewayParameters, _vehicle: Vehicle, period: float) -> GatewayConstants:
-    """Ticks and frames; ParameterError for a control period that is no such number of ticks."""
+    """Ticks and frames; ParameterError for a control period or limits that these do not have."""
     enable_tick, reset_tick = (float(round(time / frames.TICK)) for time in (parameters.enable_at, parameters.reset_at))
     layouts = frames.bench_frames(load_database(parameters.bus.database))
+    check_limits(layouts.set_point, parameters)
     return GatewayConstants(frames.ticks_of(period, MOST_TICKS), enable_tick, reset_tick, layouts)
 
 
@@ -186,10 +188,10 @@ def can(
             watch_bench(p, car.motor.rotor_inertia, g, load, shafts, period)
         before = g.tick
         leading.advance_gateway(p, g, 1.0, frames.TICK)
-        _say(f, f.drive_11, g.drive_11, s, p.torque_limit, 2 * tick)
-        _say(f, f.drive_12, g.drive_12, s, p.torque_limit, SET_POINTS + 2 * tick)
-        _say(f, f.load_11, g.load_11, s, p.load_torque_limit, LOADS + 2 * tick)
-        _say(f, f.load_12, g.load_12, s, p.load_torque_limit, LOADS + SET_POINTS + 2 * tick)
+        _say(f, f.drive_11, g.drive_11, s, p.torque_limit, p.speed_limit, 2 * tick)
+        _say(f, f.drive_12, g.drive_12, s, p.torque_limit, p.speed_limit, SET_POINTS + 2 * tick)
+        _say(f, f.load_11, g.load_11, s, p.load_torque_limit, p.speed_limit, LOADS + 2 * tick)
+        _say(f, f.load_12, g.load_12, s, p.load_torque_limit, p.speed_limit, LOADS + SET_POINTS + 2 * tick)
         if frames.is_due(f.heartbeat.ticks, before, g.tick):
             for place in range(2):
                 s.set_points[HEARTBEATS + place] = words(leading.heartbeat(f, g, place))[0]
@@ -234,6 +236,13 @@ def _take(
 
 @compilable
 def _say(
-    f: frames.BenchFrames, own: frames.DeviceFrames, s: Device, to: LockstepGateway, most: float, place: int
+    f: frames.BenchFrames,
+    own: frames.DeviceFrames,
+    s: Device,
+    to: LockstepGateway,
+    torque: float,
+    speed: float,
+    place: int,
 ) -> None:
-    to.set_points[place], to.set_points[place + 1] = words(leading.set_point(f, own, s, most))
+    """A set-point within limits of torque [N m] and speed [rad/s]."""
+    to.set_points[place], to.set_points[place + 1] = words(leading.set_point(f, own, s, torque, speed))

@@ -9,7 +9,8 @@ from ev_core.bus.checking import CheckState
 from ev_core.bus.parameters import BusParameters
 from ev_core.law import WHEEL_NAMES, ParameterError, compilable, group, parameter, setting
 from ev_core.parameters.record import entry, part, series
-from ev_msgs_py.can.frames import FAULTS, LONG_AGO, names_of
+from ev_msgs_py.can.frames import FAULTS, LONG_AGO, RPM, SetPointLayout, names_of
+from ev_msgs_py.can.payload import rounded_down
 
 
 @dataclass(slots=True)
@@ -56,7 +57,7 @@ class Device:
     reset_time: float = entry(-1.0, unit="s", about="since the reset sequence began; -1: there is none")
     mode: float = entry(unit="1", about="as in the set-point frame")
     torque: float = entry(unit="N m", about="set-point, at the shaft")
-    speed: float = entry(unit="rad/s", about="set-point in speed mode, limit in torque mode")
+    speed: float = entry(unit="rad/s", about="set-point of speed mode")
     counter: float = entry(unit="1", about="of the next set-point")
 
 
@@ -145,7 +146,12 @@ class GatewayParameters:
     )
     load_torque_limit: float = setting(400.0, unit="N m", low=0.0, high=1000.0, about="at the shaft of a load machine")
     speed_limit: float = parameter(
-        785.398, unit="rad/s", low=0.0, high=1047.0, about="of the shafts", source="dissertation, table 1.1"
+        7500.0 * RPM,
+        unit="rad/s",
+        low=0.0,
+        high=1047.0,
+        about="of the shafts, in every mode",
+        source="dissertation, table 1.1",
     )
     feedback_timeout: float = setting(
         0.01, unit="s", low=0.001, high=1.0, about="without valid feedback for longer than this: fault of that drive"
@@ -164,6 +170,20 @@ class GatewayParameters:
         if self.wheel_11 == self.wheel_12:
             raise ParameterError(
                 f"wheel_12: {self.wheel_12!r} is refused, it is the wheel of the other circuit already"
+            )
+
+
+def check_limits(layout: SetPointLayout, p: GatewayParameters) -> None:
+    """Refuse limits that are above zero and zero in the frames: the drive would be enabled and give nothing."""
+    for name, value, unit, sent, step in (
+        ("torque_limit", p.torque_limit, "N m", p.torque_limit, layout.torque_limit),
+        ("load_torque_limit", p.load_torque_limit, "N m", p.load_torque_limit, layout.torque_limit),
+        ("speed_limit", p.speed_limit, "rad/s", p.speed_limit / RPM, layout.speed),
+    ):
+        if value > 0.0 and rounded_down(step, sent) <= 0.0:
+            least = step.scale * value / sent
+            raise ParameterError(
+                f"{name}: {value!r} is refused, expected 0 or at least {least:.4g} {unit}, the step of the frames", name
             )
 
 

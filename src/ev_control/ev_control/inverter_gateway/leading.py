@@ -8,7 +8,7 @@ from ev_control.inverter_gateway.gateway import BOTH, Device, Feedback, Gateway,
 from ev_core.bus import checking
 from ev_msgs_py.can import drive_states
 from ev_msgs_py.can.frames import RPM, SENT, TORQUE_MODE, BenchFrames, DeviceFrames, guarded
-from ev_msgs_py.can.payload import extracted, inserted, next_counter
+from ev_msgs_py.can.payload import extracted, inserted, next_counter, rounded_down
 from ev_msgs_py.compilable import compilable
 
 MOTION, ELECTRICAL, TEMPERATURES, FAULTS = range(len(SENT))
@@ -168,27 +168,29 @@ def controlword(s: Device) -> int:
 
 
 @compilable
-def command_device(p: GatewayParameters, s: Device, mode: int, value: float) -> None:
+def command_device(s: Device, mode: int, value: float) -> None:
     """What a device shall do: a torque [N m] or a speed [rad/s] at its shaft."""
     s.mode, s.command_age = float(mode), 0.0
-    if mode == TORQUE_MODE:
-        s.torque, s.speed = value, p.speed_limit
-    else:
-        s.torque, s.speed = 0.0, value
+    s.torque = value if mode == TORQUE_MODE else 0.0
+    s.speed = value if mode != TORQUE_MODE else 0.0
 
 
 @compilable
-def set_point(f: BenchFrames, own: DeviceFrames, s: Device, most: float) -> int:
-    """The payload of the next set-point, with a torque of at most `most` [N m]; its counter goes on.
+def set_point(f: BenchFrames, own: DeviceFrames, s: Device, torque_limit: float, speed_limit: float) -> int:
+    """The payload of the next set-point, within limits [N m] and [rad/s] in every mode; its counter goes on.
 
-    The command goes out where the device is enabled and its statusword confirms it.
+    The command goes out where the device is enabled and its statusword confirms it. A torque goes with the speed limit.
     """
+    most_torque = rounded_down(f.set_point.torque, rounded_down(f.set_point.torque_limit, torque_limit))
+    most_speed = rounded_down(f.set_point.speed, speed_limit / RPM)
+    torque = min(max(s.torque, -most_torque), most_torque)
+    speed = most_speed if int(s.mode) == TORQUE_MODE else min(max(s.speed / RPM, -most_speed), most_speed)
     turns = s.enable != 0.0 and int(s.feedback.state) == drive_states.OPERATION_ENABLED
     payload = inserted(0, f.set_point.mode, s.mode)
     payload = inserted(payload, f.set_point.controlword, float(controlword(s)))
-    payload = inserted(payload, f.set_point.torque, min(max(s.torque, -most), most) if turns else 0.0)
-    payload = inserted(payload, f.set_point.speed, s.speed / RPM if turns else 0.0)
-    payload = inserted(payload, f.set_point.torque_limit, most if turns else 0.0)
+    payload = inserted(payload, f.set_point.torque, torque if turns else 0.0)
+    payload = inserted(payload, f.set_point.speed, speed if turns else 0.0)
+    payload = inserted(payload, f.set_point.torque_limit, most_torque if turns else 0.0)
     counter = int(s.counter)
     s.counter = float(next_counter(counter))
     return guarded(f.set_point, payload, own.set_point_data_id, counter)

@@ -9,7 +9,7 @@ from math import isfinite
 from typing import Any
 
 from ev_control.inverter_gateway import can, leading
-from ev_control.inverter_gateway.gateway import Device, Gateway, GatewayParameters
+from ev_control.inverter_gateway.gateway import Device, Gateway, GatewayParameters, check_limits
 from ev_core.bus.parameters import CIRCUITS, load_database
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.law import LawObject, namespace
@@ -27,11 +27,12 @@ class GatewayStation:
 
     def __init__(self, database: Database, parameters: GatewayParameters) -> None:
         self.s = Gateway(waits=float(parameters.auto_enable))
+        self._frames = bench_frames(database)
         self.change(parameters)
         self.devices: dict[str, Device] = {
             "Drive11": self.s.drive_11, "Drive12": self.s.drive_12, "Load11": self.s.load_11, "Load12": self.s.load_12
         }  # fmt: skip
-        f = self._frames = bench_frames(database)
+        f = self._frames
         self.own = {"Drive11": f.drive_11, "Drive12": f.drive_12, "Load11": f.load_11, "Load12": f.load_12}
         self._heard: dict[int, tuple[str, int, int]] = {
             int(identifier): (name, kind, int(getattr(f, SENT[kind].lower()).length))
@@ -40,7 +41,8 @@ class GatewayStation:
         }
 
     def change(self, parameters: GatewayParameters) -> None:
-        """Go on with other limits and time-outs."""
+        """Go on with other limits and time-outs; ParameterError for a limit that the frames do not have."""
+        check_limits(self._frames.set_point, parameters)
         self.p: Any = namespace(number_tree(parameters))
 
     def receive(self, circuit: str, frame: Frame) -> None:
@@ -58,7 +60,7 @@ class GatewayStation:
         """What a device shall do: a torque [N m] or a speed [rad/s] at its shaft; ValueError for what is no number."""
         if not isfinite(value):
             raise ValueError(f"command of {name}: {value} is refused, allowed is a finite number")
-        leading.command_device(self.p, self.devices[name], mode, value)
+        leading.command_device(self.devices[name], mode, value)
 
     def enable(self, names: tuple[str, ...]) -> str:
         """Begin to enable devices, or return the reason, in one line, why none of them is."""
@@ -97,7 +99,7 @@ class GatewayStation:
 
     def _set_point(self, name: str, own: DeviceFrames) -> Frame:
         most = self.p.torque_limit if name in DRIVES else self.p.load_torque_limit
-        payload = leading.set_point(self._frames, own, self.devices[name], most)
+        payload = leading.set_point(self._frames, own, self.devices[name], most, self.p.speed_limit)
         return Frame(int(own.set_point), payload.to_bytes(int(self._frames.set_point.length), "little"))
 
     def _life_sign(self, place: int) -> Frame:

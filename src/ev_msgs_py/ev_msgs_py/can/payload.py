@@ -57,6 +57,16 @@ def raw_number(field: BitField, value: float) -> int:
     return floor((limited - field.offset) * field.steps + 0.5)
 
 
+_SHARE = 1e-6  # of a step, by which a limit may miss it: 7500 rpm in rad/s and back is 7500 rpm
+
+
+@compilable
+def rounded_down(field: BitField, limit: float) -> float:
+    """The largest value of a signal that is not above a limit: what is sent keeps the limit."""
+    limited = min(max(limit, field.low), field.high)
+    return field.offset + field.scale * floor((limited - field.offset) * field.steps + _SHARE)
+
+
 @compilable
 def inserted(payload: int, field: BitField, value: float) -> int:
     """The payload with the signal in its bits, which were zero."""
