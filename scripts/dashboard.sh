@@ -4,4 +4,4 @@ set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"
 unset PYTHONWARNINGS # those of other packages end no run
-exec "$EV_STACK_ROOT/install/ev_sim/lib/ev_sim/ev-stack" dashboard "$@"
+exec "$EV_STACK_ROOT/scripts/ev-stack" dashboard "$@"

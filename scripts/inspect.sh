@@ -3,4 +3,4 @@
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"
-exec "$EV_STACK_ROOT/install/ev_sim/lib/ev_sim/ev-stack" inspect "$@"
+exec "$EV_STACK_ROOT/scripts/ev-stack" inspect "$@"

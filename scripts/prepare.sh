@@ -13,7 +13,7 @@ if [[ "$root" == *[[:space:]]* ]]; then
     exit 1
 fi
 unset CDPATH # by which `cd` would lead elsewhere
-export LC_ALL=C PIP_DISABLE_PIP_VERSION_CHECK=1
+export LC_ALL=C.UTF-8 PIP_DISABLE_PIP_VERSION_CHECK=1
 exec {terminal}>&2 # past the log of a step
 to_run=("$@")
 
@@ -201,9 +201,13 @@ record_environment() {
     ' >install/environment.bash
 }
 
-# The Python of .venv knows the packages by itself, as a kernel of Jupyter has to.
+# The Python of .venv finds the packages by itself, as a kernel of Jupyter has to. Python reads a .pth file in the
+# encoding of the locale, so the paths are written in ASCII, as a list that Python evaluates.
 record_paths() {
-    printf '%s\n' "$root"/build/{ev_msgs_py,ev_core,ev_control,ev_sim,ev_papers} >"$(packages_folder)/ev_stack.pth"
+    .venv/bin/python -c '
+import sys
+print("import sys; sys.path +=", ascii(sys.argv[1:]))' \
+        "$root"/build/{ev_msgs_py,ev_core,ev_control,ev_sim,ev_papers} >"$(packages_folder)/ev_stack.pth"
 }
 
 compile_ahead() {
@@ -240,7 +244,7 @@ build_workspace() {
     wait_for_ahead
     record_environment
     record_paths
-    ln -sf "$root/install/ev_sim/lib/ev_sim/ev-stack" .venv/bin/ev-stack
+    ln -sf "$root/scripts/ev-stack" .venv/bin/ev-stack
     build_fingerprint >install/.complete
 }
 

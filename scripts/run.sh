@@ -2,6 +2,7 @@
 # Run a scenario: scripts/run.sh SCENARIO [options]; scripts/run.sh --help lists the options.
 set -euo pipefail
 trap 'echo stopped >&2; exit 130' INT TERM
+[[ -e /proc/self/fd/2 ]] || exec 2>/dev/null
 here="${BASH_SOURCE[0]}"
 [[ ! -L "$here" ]] || here="$(readlink -f "$here")"
 [[ "$here" == */* ]] || here="./$here"
@@ -12,7 +13,4 @@ ev_stack_run=("$@")
 source "${here%/*}/setup.sh"
 # Warnings of other packages end no run.
 unset PYTHONWARNINGS
-# Until the program can say that it was stopped, what would stop it has to wait.
-waiting=(env --block-signal=INT --block-signal=TERM)
-"${waiting[@]}" true 2>/dev/null || waiting=()
-exec "${waiting[@]}" "$EV_STACK_ROOT/install/ev_sim/lib/ev_sim/ev-stack" run "$@"
+exec "$EV_STACK_ROOT/scripts/ev-stack" run "$@"

@@ -18,6 +18,7 @@ from pictures.browser import FOUND, Browser
 from run_script import ENVIRONMENT, ROOT
 
 from ev_sim.commands import dashboard as command
+from ev_sim.dashboard.server import listening
 from ev_sim.recording.outcome import RunFailed
 
 WORDS = "[...document.querySelectorAll('#words li')].map((line) => line.textContent)"
@@ -208,14 +209,27 @@ def test_without_scenario_there_must_be_one_run(domains, said, monkeypatch):
 
 
 def test_a_port_that_is_taken_is_refused_in_one_line():
-    from ev_sim.dashboard.server import Pages
+    (first,) = listening(0)
+    with first, pytest.raises(RunFailed, match="is refused: Address already in use, expected a free one, or 0 for any"):
+        listening(first.getsockname()[1])
 
-    first = Pages("first", 0, lambda wish: None, list)
-    try:
-        with pytest.raises(RunFailed, match=f"--port {first.port} is refused: Address already in use"):
-            Pages("second", first.port, lambda wish: None, list)
-    finally:
-        first.close()
+
+@pytest.mark.parametrize("port", ["-1", "65536", "80000", "1e3", "page", ""])
+def test_a_port_that_is_none_is_refused_before_anything_is_started(port, capsys, monkeypatch):
+    monkeypatch.setattr(command, "_run_of", lambda *_: pytest.fail("a run was started"))
+    with pytest.raises(SystemExit) as ended:
+        command.main([f"--port={port}", "shchur2019"])
+    assert ended.value.code == 2
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last.endswith(f"argument --port: {port!r} is refused, expected a whole number from 0 to 65535")
+
+
+def test_a_port_that_is_taken_is_refused_before_a_run_is_started(monkeypatch):
+    monkeypatch.setattr(command, "_run_of", lambda *_: pytest.fail("a run was started"))
+    (first,) = listening(0)
+    with first, pytest.raises(SystemExit) as ended:
+        command.main(["--port", str(first.getsockname()[1]), "shchur2019"])
+    assert "is refused: Address already in use" in ended.value.code
 
 
 @needs_browser

@@ -7,7 +7,7 @@ import random
 import socket
 import struct
 
-from ev_sim.dashboard.server import ADDRESS, Pages
+from ev_sim.dashboard.server import ADDRESS, Pages, listening
 
 PAGES = 200
 ROW = bytes(8 * 4000)  # more than what a socket takes at once, so that messages are cut in two
@@ -44,7 +44,7 @@ def test_a_page_that_goes_in_the_middle_of_a_message_ends_nothing():
 
     async def run() -> None:
         asyncio.get_running_loop().set_exception_handler(lambda _, context: failures.append(context))
-        pages = Pages("a test", 0, lambda wish: None, lambda: [WORD])
+        pages = Pages("a test", listening(0), lambda wish: None, lambda: [WORD])
         chance, over = random.Random(1), asyncio.Event()
 
         async def speak() -> None:

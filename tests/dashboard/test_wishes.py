@@ -17,7 +17,7 @@ from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
 from ev_sim.dashboard.controls import Controls
-from ev_sim.dashboard.server import Pages
+from ev_sim.dashboard.server import Pages, listening
 
 NODE = "asr"  # with numbers, whole numbers, a flag, a choice and arrays
 FIELDS = ("seed", "vehicle.mass", "lock_memory", "method", "faults")
@@ -36,7 +36,7 @@ class Page:
 
     async def _open(self, context: Any) -> None:
         self.controls = Controls(context, NAMESPACE, "wishes", lambda message: self.pages.tell(message))
-        self.pages = Pages("wishes", 0, self.controls.obey, list)
+        self.pages = Pages("wishes", listening(0), self.controls.obey, list)
         self.address = self.pages.url.replace("http", "ws")
         self.socket = await websocket_connect(f"{self.address}live")
         while NODE not in self.controls.nodes:

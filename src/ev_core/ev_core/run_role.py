@@ -135,6 +135,9 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
         leave(node, trouble)
 
 
+# Argument of ROS for the nodes of a run and for commands: what they log is in the output folder or in the terminal, and
+# ROS's own log file would need a home folder that can be written.
+NO_LOG_FILE = "--disable-external-lib-logs"
 SILENTLY = "EV_STACK_LEAVE_SILENTLY"  # variable of the environment: a runner sets it for its nodes
 
 

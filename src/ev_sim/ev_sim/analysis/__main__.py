@@ -21,6 +21,7 @@ from ev_sim.analysis.linear_models import (
     yaw_gain,
 )
 from ev_sim.analysis.linearised_plant import OUTPUTS, LinearisedPlant, OperatingPoint, bode_figure, linearised
+from ev_sim.command_line.numbers import real
 from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.measures.understeer import (
@@ -131,9 +132,11 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("vehicle", help="name of a file in config/vehicles, or path of your own")
     parser.add_argument("--surface", default=REFERENCE, choices=sorted(SURFACES), help="default: %(default)s")
-    parser.add_argument("--speed", type=float, default=8.0, metavar="M/S", help="default: %(default)s")
-    parser.add_argument("--road-wheel-angle", type=float, default=0.0, metavar="DEG", help="of steady cornering")
-    parser.add_argument("--drive-force", type=float, default=0.0, metavar="N", help="of all driven wheels, equal")
+    parser.add_argument("--speed", type=real(), default=8.0, metavar="M/S", help="default: %(default)s")
+    parser.add_argument(
+        "--road-wheel-angle", type=real(-90.0, 90.0), default=0.0, metavar="DEG", help="of steady cornering"
+    )
+    parser.add_argument("--drive-force", type=real(), default=0.0, metavar="N", help="of all driven wheels, equal")
     parser.add_argument("--accelerates", action="store_true", help="by the drive force; otherwise the speed is held")
     parser.add_argument("--out", type=Path, default=Path("results/analysis"), metavar="DIR", help="of the figure")
     return parser.parse_args(argv)

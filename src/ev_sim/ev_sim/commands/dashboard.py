@@ -14,6 +14,7 @@ from importlib.util import find_spec
 
 from ev_core.nodes.stop_request import STOPPED
 from ev_msgs_py.refusal import quoted
+from ev_sim.command_line.numbers import PORT
 from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.children import ends_with_us
@@ -29,11 +30,12 @@ def main(argv: list[str] | None = None) -> None:
     for package, what in (("rclpy", "ROS 2 (rclpy)"), ("tornado", "tornado")):
         if find_spec(package) is None:
             refuse(f"a dashboard needs {what}, which is not installed here")
-    from ev_sim.dashboard.server import attached
+    from ev_sim.dashboard.server import attached, listening
 
     try:
+        sockets = listening(given.port)  # before a run is started for a page that cannot be served
         with _domain(bool(words)) as domain, _run_of(words, domain) as run:
-            ended = asyncio.run(attached(given.namespace, domain, given.port, run))
+            ended = asyncio.run(attached(given.namespace, domain, sockets, run))
             if run is not None and ended is None:  # Ctrl-C: the run prints that itself
                 run.send_signal(signal.SIGINT)
     except RunFailed as error:
@@ -55,7 +57,7 @@ def _arguments(argv: list[str] | None) -> tuple[argparse.Namespace, list[str]]:
         "in real time unless --set plant.real_time_factor says otherwise.",
         allow_abbrev=False,
     )
-    parser.add_argument("--port", type=int, default=8050, metavar="N", help="of the page, 0 for any; default 8050")
+    parser.add_argument("--port", type=PORT, default=8050, metavar="N", help="of the page, 0 for any; default 8050")
     parser.add_argument(
         "--namespace", metavar="/NAME", help="of the graph; default: that of the run, or of each in turn"
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
 import signal
 import sys
 from collections.abc import Sequence
@@ -61,6 +63,7 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
 def main() -> None:
     """ev-stack COMMAND [options]"""
     try:
+        open_closed_streams()
         interrupt_destructors()
         signal.signal(signal.SIGTERM, interrupt)
         let_in()  # scripts/run.sh holds signals back until here, where they are one line
@@ -75,6 +78,25 @@ def main() -> None:
         error = sys.exception()
         if KEPT and (error is None or isinstance(error, SystemExit)):
             end(error.code if error else None)
+
+
+def open_closed_streams() -> None:
+    """Connect each closed standard stream to /dev/null, so that what is printed there is lost and nothing else.
+
+    The number of a closed stream goes to the next file that is opened: the shell of scripts/run.sh reads its script as
+    number 2 where that was closed. So an output that cannot be written counts as closed.
+    """
+    for number, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
+        try:
+            access = fcntl.fcntl(number, fcntl.F_GETFL) & os.O_ACCMODE
+        except OSError:
+            access = None
+        if access is None or (mode == "w" and access == os.O_RDONLY):
+            nothing = os.open(os.devnull, os.O_RDWR)
+            if nothing != number:
+                os.dup2(nothing, number)
+                os.close(nothing)
+            setattr(sys, name, os.fdopen(number, mode, closefd=False))
 
 
 def perform(words: Sequence[str]) -> None:

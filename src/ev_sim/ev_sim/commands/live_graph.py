@@ -15,7 +15,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.validate_namespace import validate_namespace
 
 from ev_core.nodes.stop_request import StopRequest
-from ev_core.run_role import leave_graph
+from ev_core.run_role import NO_LOG_FILE, leave_graph
 from ev_msgs_py.refusal import LINE, shown
 from ev_msgs_py.wire import message_class
 from ev_sim.command_line.refusal import Parser, refuse
@@ -134,7 +134,7 @@ def visualize(argv: list[str]) -> None:
     from ev_sim.views.messages import CarViews
 
     with StopRequest() as stop:
-        rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
+        rclpy.init(args=[*argv, "--ros-args", NO_LOG_FILE], signal_handler_options=SignalHandlerOptions.NO)
         try:
             node = rclpy.create_node(_VISUALIZATION, namespace="ev", start_parameter_services=False)
             frames = LiveFrames(node, lambda cause, text: node.get_logger().warning(text, once=True))

@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from ev_core.nodes.signal_io import NAMELESS
-from ev_core.run_role import leave_graph
+from ev_core.run_role import NO_LOG_FILE, leave_graph
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.domain import free_domain, reserved_domains
@@ -45,7 +45,7 @@ def present_domain() -> int:
 def in_the_graph(name: str) -> Iterator[Node]:
     """A node of our own in the graph, when the others have been found; LookupError if there are none."""
     domain = present_domain()
-    rclpy.init(domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+    rclpy.init(args=["--ros-args", NO_LOG_FILE], domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = Node(name, start_parameter_services=False, enable_rosout=False)
         try:

@@ -11,8 +11,9 @@ import signal
 import subprocess
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from socket import socket
 from typing import Any
 
 import tornado.iostream
@@ -37,22 +38,30 @@ _LONGEST_WISH = 1 << 20  # bytes
 _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:"
 
 
-class Pages:
-    """All open pages; `obey` does what one of them asks for, ValueError refuses it; `present()` is what a new one gets.
+def listening(port: int) -> list[socket]:
+    """Sockets that listen at a port of this machine, 0 for any; RunFailed if it is taken."""
+    try:
+        return bind_sockets(port, ADDRESS)
+    except OSError as error:
+        raise RunFailed(f"--port {port} is refused: {error.strerror}, expected a free one, or 0 for any") from None
 
-    RunFailed if the port, 0 for any, is taken.
+
+class Pages:
+    """All open pages.
+
+    `obey` does what one of them asks for, ValueError refuses it; `present()` is what a new one gets.
     """
 
     def __init__(
-        self, title: str, port: int, obey: Callable[[Mapping[str, Any]], None], present: Callable[[], list[dict]]
+        self,
+        title: str,
+        sockets: Sequence[socket],
+        obey: Callable[[Mapping[str, Any]], None],
+        present: Callable[[], list[dict]],
     ) -> None:
         self.obey, self.present = obey, present
         self.open: set[_Socket] = set()
         self.rows: deque[bytes] = deque(maxlen=_KEPT)
-        try:
-            sockets = bind_sockets(port, ADDRESS)
-        except (OSError, OverflowError) as error:
-            raise RunFailed(f"--port {port} is refused: {getattr(error, 'strerror', None) or error}") from None
         self.port: int = sockets[0].getsockname()[1]
         hosts = {f"{name}:{self.port}" for name in (ADDRESS, "localhost")}
         text = filled("dashboard.html", title=title)
@@ -167,7 +176,9 @@ _PERIOD = 0.05  # s of wall time between two looks
 _PATIENCE = 10.0  # s for a graph to be found to which we are to attach
 
 
-async def attached(namespace: str | None, domain: int, port: int, run: subprocess.Popen | None) -> str | None:
+async def attached(
+    namespace: str | None, domain: int, sockets: Sequence[socket], run: subprocess.Popen | None
+) -> str | None:
     """Serve pages until the run has ended, and return the reason in words; None if Ctrl-C or SIGTERM came first.
 
     Without a `namespace` the pages show the graph that has a master of time, and another one after it. Without a `run`
@@ -179,7 +190,7 @@ async def attached(namespace: str | None, domain: int, port: int, run: subproces
         loop.add_signal_handler(kind, stopped.set)
     # The keys of the default namespace, where security is asked for and none is named.
     with observing(namespace or NAMESPACE, domain, _NODE) as observer:
-        dashboard = _Dashboard(observer, port, namespace)
+        dashboard = _Dashboard(observer, sockets, namespace)
         start = next_look = loop.time()
         try:
             print(f"dashboard: {dashboard.pages.url}", flush=True)
@@ -231,12 +242,12 @@ class _Graph:
 class _Dashboard:
     """The pages, and the graph that they show: that of a namespace, or the one that runs."""
 
-    def __init__(self, observer: Any, port: int, namespace: str | None) -> None:
+    def __init__(self, observer: Any, sockets: Sequence[socket], namespace: str | None) -> None:
         self.master = ""  # of the graph that is shown, once it was there
         self._observer, self._next_look = observer, 0.0
         self._columns: list[str] = []
         self._time = 0.0
-        self.pages = Pages("EV Control Stack", port, self._obey, self._present)
+        self.pages = Pages("EV Control Stack", sockets, self._obey, self._present)
         self._graph: _Graph | None = None
         self._may_change = namespace is None
         if namespace is not None:

@@ -16,7 +16,7 @@ from ev_core.lockstep.finding import is_code
 from ev_core.methods.register import node_package
 from ev_core.nodes.runner_line import RUNNER_LINE
 from ev_core.nodes.stop_request import hold_back
-from ev_core.run_role import SILENTLY
+from ev_core.run_role import NO_LOG_FILE, SILENTLY
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.refusal import shown
 from ev_sim.recording.outcome import RunFailed
@@ -94,7 +94,8 @@ def _started(name: str, words: Sequence[str], ours: bool, place: Place, reports:
     """
     run, log = place.run, place.directory / LOG / f"{name}.log"
     log.parent.mkdir(exist_ok=True)
-    arguments = ["--ros-args", "--params-file", str(place.directory / PARAMETERS), "-r", f"__ns:={run.namespace}"]
+    arguments = ["--ros-args", NO_LOG_FILE, "-r", f"__ns:={run.namespace}"]
+    arguments += ["--params-file", str(place.directory / PARAMETERS)]
     arguments += [*_said_by_us(name, run, place.directory), *enclave(name, run.namespace)]
     line, inherited = reports.line(name, ours and not run.realtime)
     with log.open("wb") as output:

@@ -19,7 +19,7 @@ from ev_core.lockstep.stepper import WRITERS
 from ev_core.lockstep.tally import Tally
 from ev_core.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME_SERVICE, TIMING, WAITS, WARNING, ListeningEnd, Word
 from ev_core.nodes.time_of_day import Alarm, refuse_late_time_of_day
-from ev_core.run_role import one_line, refuse_weak_security, security_is_asked_for
+from ev_core.run_role import NO_LOG_FILE, one_line, refuse_weak_security, security_is_asked_for
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, SIZE, places
 from ev_msgs_py.contract.roles import RECORDER
@@ -36,7 +36,7 @@ def observing(namespace: str, domain: int, name: str) -> Iterator[Node]:
     context = rclpy.Context()
     try:
         try:
-            rclpy.init(args=enclave(name, namespace), context=context, domain_id=domain)
+            rclpy.init(args=["--ros-args", NO_LOG_FILE, *enclave(name, namespace)], context=context, domain_id=domain)
             observer = Node(name, context=context, namespace=namespace, start_parameter_services=False)
         except RuntimeError as error:
             raise RunFailed(one_line(error)) from None

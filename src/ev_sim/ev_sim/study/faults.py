@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ev_sim.command_line.numbers import real
 from ev_sim.driver.path import nearest, path_of
 from ev_sim.figures.panels import Curve, Panel, readable
 from ev_sim.figures.sheets import Sheet
@@ -106,9 +107,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """A part of the laws and faults instead of all, and what counts as safe."""
     parser.add_argument("--laws", nargs="+", choices=laws(), metavar="LAW", help="these only; default: all")
     parser.add_argument("--faults", nargs="+", choices=list(FAULTS), metavar="FAULT", help="these only; default: all")
-    parser.add_argument("--lane", type=float, default=3.5, help="width of the lane [m]; default: %(default)s")
-    parser.add_argument("--car-width", type=float, default=1.7, help="of the car [m]; default: %(default)s")
-    parser.add_argument("--sideslip", type=float, default=10.0, help="largest sideslip [deg]; default: %(default)s")
+    parser.add_argument("--lane", type=real(0.0), default=3.5, help="width of the lane [m]; default: %(default)s")
+    parser.add_argument("--car-width", type=real(0.0), default=1.7, help="of the car [m]; default: %(default)s")
+    parser.add_argument(
+        "--sideslip", type=real(0.0, 180.0), default=10.0, help="largest sideslip [deg]; default: %(default)s"
+    )
 
 
 def _combinations(given: argparse.Namespace) -> Iterator[tuple[str, str, str]]:

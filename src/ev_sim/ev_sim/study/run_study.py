@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
+from ev_sim.command_line.numbers import whole
 from ev_sim.command_line.options import add_outputs, add_overrides, command_of, overrides, printing
 from ev_sim.command_line.refusal import Parser
 from ev_sim.figures.saving import figure_files, save_figures
@@ -41,7 +42,7 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     parser = Parser(prog=f"run.sh {name}", description=study.ABOUT)
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
-    where.add_argument("--workers", type=_positive, metavar="N", help="worker processes here; default: one per core")
+    where.add_argument("--workers", type=whole(1), metavar="N", help="worker processes here; default: one per core")
     parser.add_argument("--out", type=Path, metavar="DIR", help=f"output folder; default results/{name}")
     parser.add_argument("--anew", action="store_true", help="drive again what was driven before with this --out")
     parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
@@ -49,7 +50,7 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     add_outputs(parser)
     parser.add_argument(
         "--digits",
-        type=_positive,
+        type=whole(1),
         default=DIGITS,
         metavar="N",
         help="significant ones of table.tex; default: %(default)s",
@@ -57,12 +58,6 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--bold", action="store_true", help="best values of table.tex in bold, where one way is better")
     getattr(study, "add_options", lambda parser: None)(parser)
     return parser.parse_args(argv)
-
-
-def _positive(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, allowed is 1 or more")
-    return int(text)
 
 
 def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
