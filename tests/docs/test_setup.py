@@ -287,3 +287,18 @@ def test_uv_is_told_what_pip_is_told(monkeypatch):
     monkeypatch.setenv("UV_FIND_LINKS", "/mine")
     del found["UV_DEFAULT_INDEX"], found["UV_FIND_LINKS"]
     assert uv_as_pip.variables("\n".join(lines)) == found
+
+
+def test_a_checkout_with_umlauts_in_its_path_is_set_up_twice(tmp_path: Path):
+    """Its Python starts in the C locale, too: the file with the paths of the packages is ASCII."""
+    folder = tmp_path / "größe"
+    folder.mkdir()
+    checkout = Checkout(folder)
+    assert checkout.set_up()[0] == 0
+    (checkout.root / "install" / ".complete").unlink()
+    status, said = checkout.set_up()
+    assert status == 0, said
+    words = [checkout.root / ".venv" / "bin" / "python", "-c", "import sys; print(*map(ascii, sys.path), sep='\\n')"]
+    environment = checkout.environment | {"LC_ALL": "C"}
+    paths = subprocess.run(words, env=environment, check=True, capture_output=True, text=True)
+    assert ascii(str(checkout.root / "build" / "ev_sim")) in paths.stdout

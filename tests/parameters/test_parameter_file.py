@@ -156,6 +156,8 @@ def test_a_missing_file_is_named(tmp_path):
         ("/**/driver: {ros__parameters: 5}", "section '/**/driver' does not hold 'ros__parameters:' with parameters"),
         ("/**/driver: {ros__parameters: {a: 1}, more: 2}", "section '/**/driver' does not hold"),
         ("driver:\n  ros__parameters:\n", "section 'driver' does not hold"),
+        ("a: &x 1\nb: *x", "not readable as YAML in line 2: an alias, expected what it stands for"),
+        ("a: " + "[" * 1_000_000, "not readable as YAML"),
     ],
 )
 def test_what_is_no_parameter_file_is_one_line(file, text, said):

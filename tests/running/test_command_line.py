@@ -270,29 +270,3 @@ def test_a_command_with_a_participant_ends_without_deleting_it(error, status, sa
         command()
     assert ended.value.code == status
     assert capsys.readouterr().err == said
-
-
-@pytest.mark.parametrize("wrapped", [False, True])
-def test_too_little_memory_is_one_line(wrapped, monkeypatch):
-    """What a library could not be mapped for comes as an ImportError, within others that say many lines."""
-
-    def drive(given):
-        if not wrapped:
-            raise MemoryError
-        try:
-            raise ImportError("libfastdds.so: failed to map segment from shared object")
-        except ImportError as error:
-            raise ImportError("several\nlines") from error
-
-    monkeypatch.setattr("ev_sim.commands.drive_scenario.drive_scenario", drive)
-    with pytest.raises(SystemExit, match=r"^error: out of memory(: libfastdds.so: failed to map segment.*)?$"):
-        main(["shchur2019", "--offline"])
-
-
-def test_a_missing_module_is_not_called_out_of_memory(monkeypatch):
-    def drive(given):
-        raise ImportError("no module of this name")
-
-    monkeypatch.setattr("ev_sim.commands.drive_scenario.drive_scenario", drive)
-    with pytest.raises(ImportError, match="no module"):
-        main(["shchur2019", "--offline"])

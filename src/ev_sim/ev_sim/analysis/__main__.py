@@ -22,6 +22,7 @@ from ev_sim.analysis.linear_models import (
 )
 from ev_sim.analysis.linearised_plant import OUTPUTS, LinearisedPlant, OperatingPoint, bode_figure, linearised
 from ev_sim.command_line.numbers import real
+from ev_sim.command_line.paths import output_folder
 from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.measures.understeer import (
@@ -138,7 +139,9 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--drive-force", type=real(), default=0.0, metavar="N", help="of all driven wheels, equal")
     parser.add_argument("--accelerates", action="store_true", help="by the drive force; otherwise the speed is held")
-    parser.add_argument("--out", type=Path, default=Path("results/analysis"), metavar="DIR", help="of the figure")
+    parser.add_argument(
+        "--out", type=output_folder, default=Path("results/analysis"), metavar="DIR", help="of the figure"
+    )
     return parser.parse_args(argv)
 
 

@@ -14,6 +14,7 @@ import yaml
 from ev_core.parameters.values import number_of
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_sim.command_line.paths import output_folder
 from ev_sim.command_line.refusal import Parser
 from ev_sim.figures.saving import FORMATS, Print
 from ev_sim.figures.sheets import COLUMN, TALLEST, WIDE
@@ -47,7 +48,7 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
         metavar="NODE=PROCESSOR",
         help="a law as a program on aarch64 or arm (emulated), or by a command; drives without DDS",
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/SCENARIO")
+    parser.add_argument("--out", type=output_folder, metavar="DIR", help="output folder; default results/SCENARIO")
     parser.add_argument("--no-record", action="store_true", help="no bag; signals, metrics and figures all the same")
     parser.add_argument(TRACEBACK, action="store_true", help="how Python came to an error, before its line")
     parser.add_argument("--list", action="store_true", help="show scenarios and methods, one line each")

@@ -18,6 +18,7 @@ from ev_core.sensors.row import sensors_for
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.command_line.options import add_overrides, overrides
+from ev_sim.command_line.paths import output_folder
 from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import PARAMETERS
@@ -66,7 +67,9 @@ def write_parameters(argv: list[str]) -> None:
     parser.add_argument("--realtime", action="store_true", help="by the wall clock instead of in lockstep")
     add_overrides(parser)
     parser.add_argument("--no-record", action="store_true", help="no bag")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the recorder shall write")
+    parser.add_argument(
+        "--out", type=output_folder, required=True, metavar="DIR", help="where the recorder shall write"
+    )
     given = parser.parse_args(argv)
     try:
         run = only_run(given.scenario, given.run, overrides(given))
@@ -91,7 +94,7 @@ def export_library(argv: list[str]) -> None:
     parser = _of_export("export", "a car or its laws as a C library")
     parser.add_argument("--target", required=True, metavar="TARGET", help=", ".join(TARGETS))
     parser.add_argument("--name", default="", help="names in C begin with evs_NAME; default: run and roles")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the files shall be")
+    parser.add_argument("--out", type=output_folder, required=True, metavar="DIR", help="where the files shall be")
     given = parser.parse_args(argv)
     try:
         target = target_of(given.target)

@@ -17,6 +17,7 @@ from ev_core.methods.estimator import estimators
 from ev_core.parameters.data_file import SIGNALS, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.command_line.options import add_changes, command_of, overrides
+from ev_sim.command_line.paths import output_folder
 from ev_sim.command_line.refusal import Parser
 from ev_sim.measured.free_parameters import GROUPS, free_parameters
 from ev_sim.measured.identification import identify
@@ -220,7 +221,9 @@ def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
         "--part", type=_part, default=(0.0, 1.0), metavar="A:B", help="shares of the record; default 0:1"
     )
     folder = Path("results") / name
-    parser.add_argument("--out", type=Path, metavar="DIR", default=folder, help=f"output folder; default {folder}")
+    parser.add_argument(
+        "--out", type=output_folder, metavar="DIR", default=folder, help=f"output folder; default {folder}"
+    )
     add_changes(parser)
 
 

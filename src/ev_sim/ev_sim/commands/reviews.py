@@ -20,6 +20,7 @@ from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.command_line.options import add_changes, add_outputs, command_of, overrides, printing
+from ev_sim.command_line.paths import output_folder
 from ev_sim.command_line.refusal import Parser
 from ev_sim.measured.comparisons.comparison import FILE as COMPARISONS
 from ev_sim.measured.comparisons.comparison import compare, kept_text
@@ -49,7 +50,9 @@ MEASURED = "measured"  # among the sources of `verdicts`, with --data
 def _parser(name: str, about: str) -> Parser:
     parser = Parser(prog=f"run.sh {name}", description=f"scripts/run.sh {name}: {about}")
     folder = Path("results") / name
-    parser.add_argument("--out", type=Path, metavar="DIR", default=folder, help=f"output folder; default {folder}")
+    parser.add_argument(
+        "--out", type=output_folder, metavar="DIR", default=folder, help=f"output folder; default {folder}"
+    )
     return parser
 
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import io
+import math
 import os
+import resource
 import sys
 import traceback
 from importlib import import_module
+from pathlib import Path
 
 from ev_core.methods.register import all_methods, not_loaded
+from ev_core.nodes.stop_request import KEPT
 from ev_msgs_py.contract.fields import SignalError
-from ev_msgs_py.refusal import ParameterError, shown, unknown_name
+from ev_msgs_py.refusal import ParameterError, first_line, shown, unknown_name
 from ev_sim.command_line.options import TRACEBACK, arguments
 from ev_sim.command_line.refusal import refuse
 from ev_sim.recording.outcome import RunFailed
@@ -30,7 +34,7 @@ REVIEWS = {  # commands of their own, run_NAME of `reviews` or of the module tha
 }
 MODULES = {"validate": "measured", "identify": "measured", "benchmark": "benchmark", "tune": "tune"}
 _NOT_READ = 141  # the status of a command whose output nobody reads any more
-_NOT_LOADED = "failed to map segment"  # in the words of the loader: there is no memory for a library
+_OF_A_LIBRARY = 300e6  # bytes, of the largest one, the compiler's, with what it needs while it is loaded
 
 
 def main(argv: list[str] | None = None) -> None:
@@ -63,14 +67,15 @@ def main(argv: list[str] | None = None) -> None:
     except BrokenPipeError:  # the reader, such as `head`, has seen enough; at its end Python would write the rest again
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(_NOT_READ)
-    except (ParameterError, SignalError, RunFailed, OSError) as error:
+    except (ParameterError, SignalError, RunFailed, OSError, MemoryError, ImportError) as error:
         if TRACEBACK in words:
             traceback.print_exc()
-        refuse(error)
-    except (MemoryError, ImportError) as error:
-        if (why := _out_of_memory(error)) is None:
+        if _lacks_memory(error):
+            KEPT.append(error)  # half-loaded libraries would crash in Python's own end
+            refuse(f"out of memory: {first_line(error)}".removesuffix(": "))
+        if isinstance(error, ImportError):
             raise
-        refuse(f"out of memory{why}")
+        refuse(error)
 
 
 def refuse_unknown(name: str) -> None:
@@ -89,13 +94,24 @@ def list_all(argv: list[str]) -> None:
     main(["--list", *argv])
 
 
-def _out_of_memory(error: BaseException | None) -> str | None:
-    """What a lack of memory has prevented, such as to load a library; None if an error has other causes."""
-    while error is not None and not isinstance(error, MemoryError):
-        if _NOT_LOADED in str(error):
-            return ": " + next(line for line in str(error).splitlines() if _NOT_LOADED in line)
-        error = error.__cause__ or error.__context__
-    return None if error is None else f": {error}".removesuffix(": ")
+def _lacks_memory(error: BaseException) -> bool:
+    """Whether an error comes from a lack of memory, which a library that cannot be loaded words in its own way."""
+    cause: BaseException | None = error
+    while cause is not None:
+        if isinstance(cause, MemoryError):
+            return True
+        cause = cause.__cause__ or cause.__context__
+    return isinstance(error, (ImportError, OSError)) and free_memory() < _OF_A_LIBRARY
+
+
+def free_memory() -> float:
+    """Memory that this process may still take, by its own limit and by what the machine has [bytes]."""
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    own = math.inf if limit == resource.RLIM_INFINITY else limit - taken
+    machine = dict(line.split(":") for line in Path("/proc/meminfo").read_text().splitlines())
+    free = sum(int(machine[name].split()[0]) * 1024 for name in ("MemAvailable", "SwapFree"))
+    return min(own, free)
 
 
 def print_list() -> None:

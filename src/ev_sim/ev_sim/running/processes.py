@@ -167,7 +167,7 @@ class WatchedRun:
         self._reports.look()
         recording = load(self._place.directory / SIGNALS)
         if recording.time[-1] < self._last - 0.5 * stamps.to_seconds(self._run.period):  # real time does not wait
-            raise RunFailed(f"node {RECORDER} was stopped, at {recording.time[-1]:g} s of simulated time")
+            raise RunFailed(f"node {RECORDER} was stopped at {recording.time[-1]:g} s of simulated time")
         wall_time = self._arrived - self._began if self._arrived and self._began else 0.0
         return self._reports.outcome(recording, wall_time)
 

@@ -14,16 +14,11 @@ import yaml
 from ev_core.parameters.data_file import TEXT, TextOfFile, read_data
 from ev_msgs_py.refusal import ParameterError
 
+_DEEPEST = 100  # brackets in brackets: the parser in C would overflow its stack
 
-class _Loader(yaml.SafeLoader):
+
+class _Loader(yaml.CSafeLoader):
     """YAML 1.1 takes 1e-3 and 1.0e3 for texts, ROS and YAML 1.2 do not; and a key stands once, as YAML has it."""
-
-    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
-        """Refuse aliases, which ROS does not know: with some lines of them a text means gigabytes."""
-        if self.check_event(yaml.AliasEvent):
-            mark = self.peek_event().start_mark
-            raise yaml.MarkedYAMLError(problem="an alias, allowed is what it stands for", problem_mark=mark)
-        return super().compose_node(parent, index)
 
     def construct_yaml_int(self, node: yaml.ScalarNode) -> Any:
         """A number; 1:30 is none to ROS, and to the base of sixty a long one takes hours."""
@@ -61,13 +56,23 @@ def named(key: object) -> str:
 def read_yaml(text: str) -> Any:
     """The content of a YAML text; yaml.YAMLError if it is none, or if a key stands in it twice."""
     try:
+        _refuse_aliases_and_depth(text)
         return yaml.load(text, _Loader)
     except yaml.YAMLError:
         raise
-    except RecursionError:
-        raise yaml.YAMLError("it is nested too deeply") from None
     except Exception as error:  # what looks like a date or an octal number and is none, a list as a key, and the like
         raise yaml.YAMLError(str(error)) from None
+
+
+def _refuse_aliases_and_depth(text: str) -> None:
+    """Refuse aliases, which ROS does not know: with some lines of them a text means gigabytes."""
+    depth = 0
+    for event in yaml.parse(text, _Loader):
+        if isinstance(event, yaml.AliasEvent):
+            raise yaml.MarkedYAMLError(problem="an alias, expected what it stands for", problem_mark=event.start_mark)
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        if depth > _DEEPEST:
+            raise yaml.YAMLError("it is nested too deeply")
 
 
 _SECTION = "ros__parameters"

@@ -16,6 +16,7 @@ from typing import Any
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
 from ev_sim.command_line.numbers import whole
 from ev_sim.command_line.options import add_outputs, add_overrides, command_of, overrides, printing
+from ev_sim.command_line.paths import output_folder
 from ev_sim.command_line.refusal import Parser
 from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.figures.sheets import Sheet, drawn
@@ -43,7 +44,7 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
     where.add_argument("--workers", type=whole(1), metavar="N", help="worker processes here; default: one per core")
-    parser.add_argument("--out", type=Path, metavar="DIR", help=f"output folder; default results/{name}")
+    parser.add_argument("--out", type=output_folder, metavar="DIR", help=f"output folder; default results/{name}")
     parser.add_argument("--anew", action="store_true", help="drive again what was driven before with this --out")
     parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
     add_overrides(parser)
