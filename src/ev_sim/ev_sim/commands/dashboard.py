@@ -33,11 +33,12 @@ def main(argv: list[str] | None = None) -> None:
     from ev_sim.dashboard.server import attached, listening
 
     try:
-        sockets = listening(given.port)  # before a run is started for a page that cannot be served
-        with _domain(bool(words)) as domain, _run_of(words, domain) as run:
-            ended = asyncio.run(attached(given.namespace, domain, sockets, run))
-            if run is not None and ended is None:  # Ctrl-C: the run prints that itself
-                run.send_signal(signal.SIGINT)
+        with _domain(bool(words)) as domain:
+            sockets = listening(given.port)  # before a run is started for a page that cannot be served
+            with _run_of(words, domain) as run:
+                ended = asyncio.run(attached(given.namespace, domain, sockets, run))
+                if run is not None and ended is None:  # Ctrl-C: the run prints that itself
+                    run.send_signal(signal.SIGINT)
     except RunFailed as error:
         refuse(error)
     if run is not None and run.returncode:

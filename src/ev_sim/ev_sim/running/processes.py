@@ -167,7 +167,7 @@ class WatchedRun:
         self._reports.look()
         recording = load(self._place.directory / SIGNALS)
         if recording.time[-1] < self._last - 0.5 * stamps.to_seconds(self._run.period):  # real time does not wait
-            raise RunFailed(f"node {RECORDER} was stopped at {recording.time[-1]:g} s of simulated time")
+            raise RunFailed(f"node {RECORDER} was stopped, at {recording.time[-1]:g} s of simulated time")
         wall_time = self._arrived - self._began if self._arrived and self._began else 0.0
         return self._reports.outcome(recording, wall_time)
 
@@ -193,8 +193,8 @@ class WatchedRun:
         self._patience = min(self._patience, now + _PATIENCE)
         if self._reports.time < self._last and now > self._patience + (_TO_CATCH_UP if real_time else 0.0):
             slow = node.name == MASTER and real_time  # the plant has reported its end
-            who = f"node {RECORDER} lacks what was said last," if slow else node.failure()
-            raise RunFailed(f"{who} at {self._reports.time:g} s of simulated time")
+            what = f"node {RECORDER} lacks what was sent last" if slow else node.failure()
+            raise RunFailed(f"{what}, at {self._reports.time:g} s of simulated time")
         return True
 
 
