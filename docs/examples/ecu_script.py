@@ -1,4 +1,4 @@
-"""An ECU program in plain python-can: leads one drive to a torque, holds it, stops. No ROS, nothing of this project.
+"""An ECU program in plain python-can: resets a drive, leads it to a torque, holds it, stops. No ROS, nothing of ours.
 
     python docs/examples/ecu_script.py --torque 20 --seconds 3
 
@@ -13,9 +13,10 @@ import can
 import cantools
 
 HUB = "interface=socketcand,channel=can11,host=127.0.0.1,port=29536"  # ros2 run ev_sim can_hub
-OPERATION_ENABLED, FAULT = 0x27, 0x08
+ENABLED, DISABLE, RESET = 0x27, 0x00, 0x80
 # Statusword (bits 0 to 3, 5 and 6) -> controlword that leads on, CiA 402.
-LEADS_ON = {0x40: 0x06, 0x60: 0x06, 0x21: 0x07, 0x23: 0x0F, OPERATION_ENABLED: 0x0F}
+LEADS_ON = {0x40: 0x06, 0x60: 0x06, 0x21: 0x07, 0x23: 0x0F, ENABLED: 0x0F}
+CYCLE, SILENCE = 0.001, 1.0  # s; from one set-point to the next, without feedback
 
 
 def crc8(data: bytes) -> int:
@@ -34,6 +35,96 @@ def checksum(message, data: bytes) -> int:
     return crc8(identifier.to_bytes(2, "little") + data[1:])
 
 
+class Drive:
+    """A drive by its newest feedback; each cycle sends a set-point."""
+
+    def __init__(self, bus, database, name: str) -> None:
+        self.bus = bus
+        frames = (database.get_message_by_name(f"{name}_{kind}") for kind in ("SetPoint", "Motion", "Faults"))
+        self.set_point, self.motion, self.faults = frames
+        self.counter, self.due, self.heard = 0, time.monotonic(), 0.0
+        self.statusword, self.torque, self.speed, self.error = 0, 0.0, 0.0, "no fault"
+
+    @property
+    def state(self) -> int:
+        """The bits of the statusword that make up the state."""
+        return self.statusword & 0x6F
+
+    @property
+    def is_faulty(self) -> bool:
+        """Whether it is in a fault, or on the way into one."""
+        return self.statusword & 0x48 == 0x08
+
+    @property
+    def is_silent(self) -> bool:
+        """Whether no valid feedback has come for a while."""
+        return time.monotonic() - self.heard > SILENCE
+
+    def receive(self) -> None:
+        """Take all frames that wait."""
+        while (message := self.bus.recv(timeout=0.0)) is not None:
+            if message.arbitration_id == self.motion.frame_id and message.data[0] == checksum(
+                self.motion, message.data
+            ):
+                told = self.motion.decode(message.data, decode_choices=False)
+                self.statusword, self.torque, self.speed = int(told["Statusword"]), told["Torque"], told["Speed"]
+                self.heard = time.monotonic()
+            if message.arbitration_id == self.faults.frame_id and message.data[0] == checksum(
+                self.faults, message.data
+            ):
+                self.error = str(self.faults.decode(message.data)["ErrorCode"])  # by the names of the database
+
+    def cycle(self, controlword: int, torque: float = 0.0) -> None:
+        """Send a set-point, wait for the next cycle, and take what has come."""
+        signals = {
+            "Crc": 0, "Counter": self.counter, "Mode": 1, "Direction": 0, "Controlword": controlword,
+            "Torque": torque, "Speed": 7500, "TorqueLimit": 360,
+        }  # fmt: skip
+        data = bytearray(self.set_point.encode(signals))
+        data[0] = checksum(self.set_point, data)
+        self.bus.send(can.Message(arbitration_id=self.set_point.frame_id, data=data, is_extended_id=False))
+        self.counter = (self.counter + 1) % 15
+        self.due += CYCLE
+        time.sleep(max(self.due - time.monotonic(), 0.0))
+        self.receive()
+
+    def follow(self, ends, seconds: float, torque: float = 0.0) -> bool:
+        """Lead on by the states until something holds; False where it does not within some time."""
+        until = time.monotonic() + seconds
+        while not ends() and time.monotonic() < until:
+            self.cycle(LEADS_ON.get(self.state, DISABLE), torque if self.state == ENABLED else 0.0)
+        return ends()
+
+    def reset(self) -> None:
+        """The reset sequence: no torque and no command, then the reset bit rises."""
+        for word in (DISABLE, RESET):
+            for _ in range(50):
+                self.cycle(word)
+
+    def stop(self) -> None:
+        """Torque away, then voltage; a drive that is disabled does not wait for set-points."""
+        self.follow(lambda: abs(self.torque) < 1.0 or self.state != ENABLED, 0.1)
+        for _ in range(10):
+            self.cycle(DISABLE)
+
+
+def lead(drive: Drive, torque: float, seconds: float) -> str:
+    """Reset, enable, hold; what was in the way, in one line."""
+    until = time.monotonic() + 10.0
+    while drive.statusword == 0 and time.monotonic() < until:
+        drive.cycle(DISABLE)
+    if drive.statusword == 0:
+        return "it sends nothing"
+    if drive.is_faulty:
+        drive.reset()
+    enabled = drive.follow(lambda: drive.state == ENABLED or drive.is_faulty or drive.is_silent, 10.0)
+    if enabled and drive.state == ENABLED:
+        drive.follow(lambda: drive.state != ENABLED or drive.is_silent, seconds, torque)
+    if drive.is_silent:
+        return "its feedback stays away"
+    return "" if drive.state == ENABLED else "it is in a fault" if drive.is_faulty else "it is not enabled"
+
+
 def main() -> int:
     """Lead the drive; the exit status."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
@@ -43,37 +134,17 @@ def main() -> int:
     parser.add_argument("--database", default="config/can/ev_bench.dbc")
     parser.add_argument("--bus", default=HUB, help="NAME=VALUE,... for can.Bus")
     given = parser.parse_args()
-    database = cantools.database.load_file(given.database)
-    set_point = database.get_message_by_name(f"{given.drive}_SetPoint")
-    motion = database.get_message_by_name(f"{given.drive}_Motion")
     words = dict(word.split("=", 1) for word in given.bus.split(","))
-    bus = can.Bus(**{name: int(value) if value.isdecimal() else value for name, value in words.items()})
-
-    counter, heard, told, held_until = 0, 0.0, {"Statusword": 0, "Torque": 0.0, "Speed": 0.0}, None
-    start = due = time.monotonic()
-    while held_until is None or time.monotonic() < held_until:
-        while (message := bus.recv(timeout=0.0)) is not None:
-            if message.arbitration_id == motion.frame_id and message.data[0] == checksum(motion, message.data):
-                told, heard = motion.decode(message.data, decode_choices=False), time.monotonic()
-        now, state = time.monotonic(), int(told["Statusword"]) & 0x6F
-        if state & 0x4F == FAULT or (heard and now - heard > 1.0) or now - start > 10.0 + given.seconds:
-            break
-        enabled = state == OPERATION_ENABLED
-        if enabled and held_until is None:
-            held_until = now + given.seconds
-        signals = {
-            "Crc": 0, "Counter": counter, "Mode": 1, "Direction": 0, "Controlword": LEADS_ON.get(state, 0x00),
-            "Torque": given.torque if enabled else 0.0, "Speed": 7500, "TorqueLimit": 360,
-        }  # fmt: skip
-        data = bytearray(set_point.encode(signals))
-        data[0] = checksum(set_point, data)
-        bus.send(can.Message(arbitration_id=set_point.frame_id, data=data, is_extended_id=False))
-        counter = (counter + 1) % 15
-        due += 0.001
-        time.sleep(max(due - time.monotonic(), 0.0))
-    bus.shutdown()  # no more set-points: the drive stops by its time-out
-    print(f"statusword {int(told['Statusword']):03X}h, {told['Torque']:.3f} N m, {told['Speed']:.1f} rpm")
-    return 0 if int(told["Statusword"]) & 0x6F == OPERATION_ENABLED else 1
+    with can.Bus(**{name: int(value) if value.isdecimal() else value for name, value in words.items()}) as bus:
+        drive = Drive(bus, cantools.database.load_file(given.database), given.drive)
+        try:
+            trouble = lead(drive, given.torque, given.seconds)
+            print(f"statusword {drive.statusword:03X}h, {drive.torque:.3f} N m, {drive.speed:.1f} rpm")
+        finally:
+            drive.stop()
+    if trouble:
+        print(f"{given.drive}: {trouble}; its first fault: {drive.error}")
+    return 1 if trouble else 0
 
 
 if __name__ == "__main__":

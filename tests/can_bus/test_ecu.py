@@ -80,6 +80,8 @@ class LeftLoad:
 def test_an_exported_law_drives_our_inverters(target, folders):
     """Each answer is that of the law here to the same wheel speeds, to the bit, and the right shaft obeys.
 
+    Twice in a row, after one that was killed.
+
     The left wheel is held back, so the right one overtakes it, and the left one gets more torque.
     """
     program, bus = built(target, folders / target), hub_channels()
@@ -97,7 +99,14 @@ def test_an_exported_law_drives_our_inverters(target, folders):
         load = LeftLoad(Channel("socketcand", bus["bus.channel_12"]))
         load.lead(lambda: load.station.enable(("Load12",)) == "")
         load.lead(load.holds)
-        ecu = started([*program, port, str(PEDAL), str(SECONDS), str(TIMEOUT)])
+        words = [*program, port, str(PEDAL), str(SECONDS), str(TIMEOUT)]
+        killed = started([*words[:-2], "30", str(TIMEOUT)])
+        load.lead(lambda: load.station.devices["Load12"].feedback.torque < -1.0)  # against the drive
+        killed.kill()  # the drives keep a fault, which the next one resets
+        before = started(words)
+        load.lead(lambda: before.poll() is not None)
+        assert before.returncode == 0, before.communicate()[0]
+        ecu = started(words)
         load.lead(lambda: ecu.poll() is not None)
         load.channel.close()
         end([inverter])

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -154,23 +154,77 @@ def script(name: str, channel: str, *more: str) -> subprocess.Popen:
     return started([sys.executable, str(EXAMPLES / name), *words, *more])
 
 
-def test_the_ecu_script_drives_our_inverter():
-    """In the place of the gateway: 20 N m within what the bus resolves, and speed that has grown."""
+def heard(bus: dict[str, str]) -> None:
+    """Wait until an inverter sends: the script gives up where there is none for 10 s."""
+    ear, deadline = Channel("socketcand", bus["bus.channel_11"]), time.monotonic() + PATIENCE
+    while ear.receive() is None:
+        assert time.monotonic() < deadline
+    ear.close()
+
+
+@pytest.mark.parametrize("inverter", ["ours", "own_inverter.py"])
+def test_the_ecu_script_drives_an_inverter_again_and_again(inverter):
+    """20 N m within what the bus resolves, twice; and once more after a run that was killed left a fault behind."""
     bus = hub_channels()
     with ros_domain() as context:
-        ear = Channel("socketcand", bus["bus.channel_11"])
-        inverter = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT})
-        deadline = time.monotonic() + PATIENCE
-        while ear.receive() is None:  # the script gives up where there is nobody for 10 s
-            assert time.monotonic() < deadline
-        ear.close()
-        ecu = script("ecu_script.py", bus["bus.channel_11"], "--torque", "20", "--seconds", "0.5")
+        if inverter == "ours":
+            process = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT})
+        else:
+            process = script(inverter, bus["bus.channel_11"], "--timeout", "1.0")
+        heard(bus)
+        for is_killed in (False, False, True, False):
+            ecu = script(
+                "ecu_script.py", bus["bus.channel_11"], "--torque", "20", "--seconds", "30" if is_killed else "0.5"
+            )
+            if is_killed:
+                wait_for_torque(bus)
+                ecu.kill()
+                ecu.wait()
+                wait_for_fault(bus)
+                continue
+            said = ecu.communicate(timeout=PATIENCE)[0]
+            assert ecu.returncode == 0, said
+            torque, speed = (float(number) for number in re.findall(r"(\d+\.\d+) (?:N m|rpm)", said))
+            assert torque == pytest.approx(20.0, abs=1 / 16)
+            assert speed > 100.0 or inverter != "ours"  # that one has no shaft
+        end([process])
+
+
+def test_a_fault_in_mid_run_ends_the_ecu_script_by_its_name():
+    bus = hub_channels()
+    with ros_domain() as context:
+        trip = {"inject.drive_11": "[trip]"}
+        inverter = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT, **trip})
+        heard(bus)
+        ecu = script("ecu_script.py", bus["bus.channel_11"])
         said = ecu.communicate(timeout=PATIENCE)[0]
         end([inverter])
-    assert ecu.returncode == 0, said
-    torque, speed = (float(number) for number in re.findall(r"(\d+\.\d+) (?:N m|rpm)", said))
-    assert torque == pytest.approx(20.0, abs=1 / 16)
-    assert speed > 100.0
+    assert ecu.returncode == 1
+    assert said.splitlines()[-1] == "Drive11: it is in a fault; its first fault: the power stage tripped"
+
+
+def wait_for(bus: dict[str, str], holds: Callable[[dict[str, float]], bool]) -> None:
+    """Until the motion of the right drive is such."""
+    motion, deadline = ours()["Drive11_Motion"], time.monotonic() + PATIENCE
+    ear = Channel("socketcand", bus["bus.channel_11"])
+    while time.monotonic() < deadline:
+        frame = ear.receive()
+        if frame is None:
+            time.sleep(0.001)
+        elif frame.identifier == motion.identifier and holds(motion.values(int.from_bytes(frame.data, "little"))):
+            ear.close()
+            return
+    raise AssertionError("not in time")
+
+
+def wait_for_torque(bus: dict[str, str]) -> None:
+    """Until it gives torque."""
+    wait_for(bus, lambda motion: motion["Torque"] > 10.0)
+
+
+def wait_for_fault(bus: dict[str, str]) -> None:
+    """Until it is in a fault."""
+    wait_for(bus, lambda motion: int(motion["Statusword"]) & 0x4F == 0x08)
 
 
 def test_our_gateway_leads_the_inverter_script():
