@@ -11,6 +11,7 @@ from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
+from patience import PATIENCE
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
@@ -41,7 +42,6 @@ from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 NAMESPACE = "/ev"
 NODES = (*REQUIRED, RECORDER)
 SERVICES = ("pause", "resume", "step", "reset")
-PATIENCE = 90.0  # s of wall time after which a test that waits in vain fails; a busy machine once took 30
 _LOOK_PERIOD = 0.005
 
 
@@ -184,17 +184,19 @@ class Graph:
         return to_seconds(self.nodes["plant"].now)
 
     def run(self, until: Callable[[], bool] | None = None, way: Callable[..., None] = spin) -> None:
-        """Run until something holds, by default until the recorder has all; fails where that takes too long."""
+        """Run until something holds, by default until the recorder has all; fail where time stands still too long."""
         until = until or (lambda: self.nodes[RECORDER].done)
-        deadline = time.monotonic() + PATIENCE
         next_look = 0.0
+        time_before, since = self.time, time.monotonic()
 
         def finished() -> bool:
-            nonlocal next_look
+            nonlocal next_look, time_before, since
+            if self.time != time_before:
+                time_before, since = self.time, time.monotonic()
             if time.monotonic() >= next_look:
                 self.probe.look()
                 next_look = time.monotonic() + _LOOK_PERIOD
-            assert time.monotonic() < deadline, f"at {self.time} s; {self.probe.reports}"
+            assert time.monotonic() < since + PATIENCE, f"at {self.time} s; {self.probe.reports}"
             return until()
 
         way(list(self.nodes.values()), finished)

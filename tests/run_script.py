@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-import time
 from pathlib import Path
+
+from patience import PATIENCE, wait_until
 
 ROOT = Path(__file__).parents[1]
 RUN = ROOT / "scripts" / "run.sh"
@@ -26,12 +27,13 @@ class Running:
             words, env=ENVIRONMENT, stdout=self.output, stderr=subprocess.STDOUT, start_new_session=True
         )
         bag = folder / "bag" / "metadata.yaml"
-        deadline = time.monotonic() + 60
-        # Some hundred messages in the bag say that the graph steps; a bag exists as soon as the recorder does.
-        while not (bag.exists() and int(re.search(r"message_count: (\d+)", bag.read_text())[1]) > 500):
+
+        def steps() -> bool:
+            """Some hundred messages are in the bag, which exists as soon as the recorder does."""
             assert self.script.poll() is None, self.text()
-            assert time.monotonic() < deadline, self.text()
-            time.sleep(0.05)
+            return bag.exists() and int(re.search(r"message_count: (\d+)", bag.read_text())[1]) > 500
+
+        wait_until(steps, self.text, self.text)
         self.shared_memory = set().union(*map(_shared_memory_of, self.processes())) - before
 
     def processes(self) -> dict[int, str]:
@@ -51,9 +53,9 @@ class Running:
         (found,) = [pid for pid, words in self.processes().items() if f"/{name} --ros-args" in words]
         return found
 
-    def end(self, within: float) -> int:
+    def end(self) -> int:
         """Exit status of the script."""
-        return self.script.wait(within)
+        return self.script.wait(PATIENCE)
 
     def text(self) -> str:
         """What the script has printed."""

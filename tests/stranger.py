@@ -12,13 +12,14 @@ import socket
 import sys
 import time
 
-PATIENCE = 3.0  # s for a refusal, which is not told for every datagram
+PATIENCE = 3.0  # s without a refusal, which is not sent for every datagram
+OF_A_CONNECTION = 60.0  # s: on a busy machine a refusal is late, and none would look like an open port
 
 
 def is_open(address: str, port: int) -> bool:
     """Whether a connection is not refused."""
     with socket.socket() as caller:
-        caller.settimeout(PATIENCE)
+        caller.settimeout(OF_A_CONNECTION)
         return caller.connect_ex((address, port)) != errno.ECONNREFUSED
 
 
@@ -39,6 +40,7 @@ def not_refused(address: str, ports: list[int]) -> list[int]:
                 heard.append(callers.pop(caller))
             except ConnectionRefusedError:
                 del callers[caller]
+                deadline = time.monotonic() + PATIENCE
             except BlockingIOError:
                 pass
     return [*heard, *callers.values()]

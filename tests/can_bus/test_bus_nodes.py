@@ -12,6 +12,7 @@ import can
 import pytest
 from can_bus.benches import TORQUE, Bench
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from patience import PATIENCE
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from ros_graph import NAMESPACE, ros_domain
@@ -26,7 +27,6 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.nodes.inverter import InverterNode
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
-PATIENCE = 90.0  # s of wall time
 QUICK_CHARGE = {f"{machine}.dc_link.precharge_resistance": 10.0 for machine in ("drive", "load")}
 # A loaded machine may hold a node up for longer than the time-outs of a real bus: here they are no subject.
 PATIENT = {"drive.command_timeout": 1.0, "load.command_timeout": 1.0}

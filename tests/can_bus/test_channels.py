@@ -20,6 +20,7 @@ import pytest
 from fuzz.fuzzing import fuzzed
 from hypothesis import example, given
 from hypothesis import strategies as st
+from patience import PATIENCE
 
 from ev_core.bus import channel as channel_module
 from ev_core.bus.channel import BusMeter, Channel, bus_log
@@ -29,7 +30,6 @@ from ev_core.bus.socketcand_hub import HOST, SocketcandHub
 from ev_msgs_py.can.frame_length import Frame
 
 FRAMES = [Frame(0x20B, bytes(range(8))), Frame(0x701, b"\x01\x02\x03\x04"), Frame(0x18B, b"")]
-PATIENCE = 30.0  # s
 
 
 @contextmanager

@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from can_bus.databases import ours
-from can_bus.test_processes import EXAMPLES, PATIENCE, PATIENT, end, hub_channels, launch, no_process_left, started
+from can_bus.test_processes import EXAMPLES, PATIENT, end, hub_channels, launch, no_process_left, started
+from patience import PATIENCE
 from ros_graph import ros_domain
 
 from ev_control.inverter_gateway.gateway import GatewayParameters

@@ -15,6 +15,7 @@ import pytest
 from can_bus.databases import FILE, ours
 from can_bus.test_bus_nodes import World
 from can_bus.test_channels import FRAMES, free_port, group, received
+from patience import PATIENCE
 from ros_graph import NAMESPACE, ros_domain
 
 from ev_control.inverter_gateway.gateway import GatewayParameters
@@ -29,7 +30,6 @@ from ev_sim.commands import can_hub
 pytestmark = pytest.mark.slow
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
-PATIENCE = 90.0  # s of wall time
 # A loaded machine holds processes up for longer than the time-outs of a real bus: here they are no subject.
 PATIENT = {"drive.command_timeout": 1.0, "load.command_timeout": 1.0, "drive.dc_link.precharge_resistance": 20.0}
 

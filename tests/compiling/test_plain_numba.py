@@ -27,7 +27,6 @@ def forgets():
 
 @pytest.mark.weekly
 @pytest.mark.slow
-@pytest.mark.timeout(600)  # it compiles, which takes ten seconds of a processor
 def test_a_graph_that_is_compiled_in_the_plain_way_has_the_same_signal_hash(tmp_path: Path):
     """Driver, law, ASR, column and plant, in a process with an empty cache; and the tool starts."""
     done = subprocess.run([sys.executable, TOOL, "--smoke"], cwd=tmp_path, capture_output=True, text=True)

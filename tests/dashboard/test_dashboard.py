@@ -57,7 +57,7 @@ def dashboards() -> Iterator[list[Dashboard]]:
     for each in found:
         if each.process.poll() is None:
             each.process.send_signal(signal.SIGINT)
-        each.process.communicate(timeout=30)
+        each.process.communicate()
 
 
 @pytest.fixture
@@ -262,4 +262,4 @@ def test_the_page_follows_the_runs_of_a_scenario_through_their_namespaces(tmp_pa
     finally:
         browser.close()
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=60)
+        process.communicate()

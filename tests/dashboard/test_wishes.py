@@ -11,8 +11,9 @@ import pytest
 from fuzz.fuzzing import fuzzed
 from hypothesis import example, given
 from hypothesis import strategies as st
+from patience import PATIENCE
 from rclpy.executors import SingleThreadedExecutor
-from ros_graph import NAMESPACE, PATIENCE, node_of, ros_domain
+from ros_graph import NAMESPACE, node_of, ros_domain
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 

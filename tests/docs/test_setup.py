@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 import uv_as_pip
+from patience import wait_until
 
 from ev_sim.running.beforehand import compile_for
 from ev_sim.scenarios.scenario import load_scenario
@@ -94,7 +95,7 @@ class Checkout:
     def set_up(self, **environment: str) -> tuple[int, str]:
         """Status, and what it says on standard error; on standard output it says nothing."""
         process = self.start(**environment)
-        out, said = process.communicate(timeout=100)
+        out, said = process.communicate()
         assert out == ""
         return process.returncode, said
 
@@ -179,13 +180,10 @@ def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
         assert process.poll() is None
         time.sleep(0.05)
     os.killpg(process.pid, kind)
-    process.communicate(timeout=60)
+    process.communicate()
     assert process.returncode != 0
     assert not (checkout.root / "install" / ".complete").exists()
-    deadline = time.monotonic() + 30
-    while any(Path("/proc", number).exists() for number in log.read_text().split()):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    wait_until(lambda: not any(Path("/proc", number).exists() for number in log.read_text().split()))
     ahead.unlink()
     status, said = checkout.set_up()
     assert (status, said_of(said)) == (0, ["building the workspace ..."])
@@ -202,7 +200,7 @@ def test_two_calls_at_once_set_up_once(checkout, tmp_path):
         assert first.poll() is None
         time.sleep(0.05)
     assert checkout.set_up() == (0, "waiting for another set-up to finish ...\n")
-    assert first.communicate(timeout=60) and first.returncode == 0
+    assert first.communicate() and first.returncode == 0
     assert checkout.is_complete
 
 

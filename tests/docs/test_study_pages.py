@@ -27,7 +27,6 @@ def test_table_is_that_of_the_measured_numbers(page: str, study: str):
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(400)
 @pytest.mark.parametrize("study", [study for _, study in STUDIES if study not in IN_VERDICTS])
 @pytest.mark.sampled
 def test_measured_numbers_are_those_of_the_cases(study: str):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from ev_core.parameters.declaration import number_tree
@@ -42,6 +42,7 @@ def planned(path: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 @settings(max_examples=20)
+@example(lengths=[1.0], curvatures=[1.9e-10, 0.0, 0.0, 0.0])
 @given(
     lengths=st.lists(st.floats(1.0, 20.0), min_size=1, max_size=4),
     curvatures=st.lists(st.floats(-0.3, 0.3), min_size=4, max_size=4),
@@ -50,8 +51,11 @@ def test_no_bend_is_too_fast_and_none_comes_too_suddenly(lengths, curvatures):
     """V^2/R within the grip but for the chords of half a metre, and V V' = a at most, along any arcs."""
     arcs = PathParameters(shape="arcs", length=tuple(lengths), curvature=tuple(curvatures[: len(lengths)]))
     distance, speed = planned(path_of(arcs))
-    growth = np.diff(speed**2) / np.diff(distance)
-    assert np.abs(growth[speed[1:] < 1e6]).max(initial=0.0) < 2.0 * P.acceleration * (1.0 + 1e-6)
+    growth = np.abs(np.diff(speed**2) / np.diff(distance))
+    # V^2 and the distance are rounded: along a nearly straight arc V^2 is 1e10, and its last bits are worth 1e-5 m/s^2.
+    rounding = 8.0 * np.finfo(float).eps * (speed[1:] ** 2 + growth * distance[1:]) / np.diff(distance)
+    allowed = 2.0 * P.acceleration * (1.0 + 1e-6) + rounding
+    assert (growth < allowed)[speed[1:] < 1e6].all()
     begin = 0.0
     for length, curvature in zip(arcs.length, arcs.curvature, strict=True):
         inside = (distance > begin + 0.5) & (distance < begin + length - 0.5)

@@ -173,7 +173,7 @@ def test_car_and_law_coupled_in_a_bare_python_are_the_plain_run(made, plain, tmp
     car, law = made("--without", ROLE, name="car"), made("--only", ROLE, name="int")
     out = tmp_path / "shown.npz"
     words = [sys.executable, "-S", EXAMPLE, car, law, str(DURATION), out]
-    done = subprocess.run(words, capture_output=True, text=True, env={"PYTHONPATH": str(bare)}, timeout=100)
+    done = subprocess.run(words, capture_output=True, text=True, env={"PYTHONPATH": str(bare)})
     assert (done.returncode, done.stderr) == (0, "")
     shown = np.load(out)
     assert set(shown) == set(plain) | {"time"}

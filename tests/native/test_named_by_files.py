@@ -37,7 +37,7 @@ def library(tmp_path) -> Path:
 def said_by_node(*words: object) -> tuple[int, str]:
     """Exit status and last line of the asr's node."""
     node = [*command("asr"), "--ros-args", *map(str, words)]
-    done = subprocess.run(node, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(node, capture_output=True, text=True)
     return done.returncode, done.stderr.strip().splitlines()[-1]
 
 

@@ -11,8 +11,9 @@ import time
 import pytest
 from campaign.time_of_day import TimeOfDay
 from campaign.trial import Skipped
+from patience import PATIENCE
 from rclpy.node import Node
-from ros_graph import PATIENCE, ros_domain
+from ros_graph import ros_domain
 from std_msgs.msg import Empty
 
 from ev_core.nodes import time_of_day

@@ -8,8 +8,9 @@ from collections.abc import Callable
 from contextlib import suppress
 
 import pytest
+from patience import PATIENCE, wait_until
 from rclpy.node import NodeNameNonExistentError
-from ros_graph import NAMESPACE, PATIENCE, Probe, ros_domain
+from ros_graph import NAMESPACE, Probe, ros_domain
 
 from ev_core.run_role import SILENTLY
 from ev_sim.running.node_process import command
@@ -27,19 +28,12 @@ def start(domain: int, silently: bool, *told: str) -> subprocess.Popen:
 
 def seconds_until(holds: Callable[[], bool]) -> float:
     start = time.monotonic()
-    while not holds():
-        assert time.monotonic() < start + PATIENCE
-        time.sleep(0.02)
+    wait_until(holds)
     return time.monotonic() - start
 
 
-@pytest.mark.parametrize("silently", [False, True])
-def test_a_node_says_goodbye_unless_its_runner_leaves_too(silently):
-    """Seconds that others still know of it: none, or what is left of its lease, which is announced every 0.1 s.
-
-    What it hears is gone at once in any case: who waits until its last word has arrived does not wait for it. Its
-    participant is never deleted, because that can last for ever: a hidden node shows it until the lease is over.
-    """
+def seconds_behind_the_end(silently: bool) -> tuple[float, float, float]:
+    """How long others still see the subscriptions, the hidden node and the name of a node that has ended."""
     with ros_domain() as context:
         probe = Probe(context)
 
@@ -52,14 +46,28 @@ def test_a_node_says_goodbye_unless_its_runner_leaves_too(silently):
             return False
 
         node = start(context.get_domain_id(), silently)
-        seconds_until(listens)
+        wait_until(listens)
         node.send_signal(signal.SIGINT)
-        assert node.wait(timeout=PATIENCE) == 0
-        heard = seconds_until(lambda: not listens())
-        kept = seconds_until(lambda: silently or ("_driver", "/") in probe.get_node_names_and_namespaces())
-        stayed = heard + seconds_until(lambda: not is_there())
-    assert heard < LEASE / 2 and kept < LEASE / 2
-    assert (stayed > LEASE / 2) == silently
+        assert node.wait(PATIENCE) == 0
+        listened = seconds_until(lambda: not listens())
+        hidden = seconds_until(lambda: silently or ("_driver", "/") in probe.get_node_names_and_namespaces())
+        return listened, hidden, listened + seconds_until(lambda: not is_there())
+
+
+@pytest.mark.parametrize("silently", [False, True])
+def test_a_node_says_goodbye_unless_its_runner_leaves_too(silently):
+    """Seconds that others still know of it: none, or what is left of its lease, which is announced every 0.1 s.
+
+    What it hears is gone at once in any case: who waits until its last word has arrived does not wait for it. Its
+    participant is never deleted, because that can last for ever: a hidden node shows it until the lease is over.
+    On a busy machine a goodbye may arrive late, so one of several is to arrive within half a lease.
+    """
+    for _ in range(5):
+        listened, hidden, stayed = seconds_behind_the_end(silently)
+        assert not silently or stayed > LEASE / 2
+        if max(listened, hidden, 0.0 if silently else stayed) < LEASE / 2:
+            return
+    pytest.fail(f"known for {listened:g}, {hidden:g} and {stayed:g} s")
 
 
 def test_who_leaves_without_a_word_still_says_what_was_wrong():

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from ros_graph import PATIENCE, Probe, node_of, ros_domain
+from patience import PATIENCE
+from ros_graph import Probe, node_of, ros_domain
 
 from ev_core.lockstep.finding import find_method
 from ev_core.methods.part import CalledBack

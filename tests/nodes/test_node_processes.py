@@ -4,12 +4,11 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from ros_graph import NAMESPACE, NODES, PATIENCE, Probe, ros_domain
+from patience import PATIENCE, wait_until
+from ros_graph import NAMESPACE, NODES, Probe, ros_domain
 
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
@@ -54,13 +53,6 @@ def start(words: list[str], domain: int = 0) -> subprocess.Popen:
 def without_compiling(said: str) -> str:
     """What a process has said, without the line that a plant which has just been edited is compiled."""
     return "".join(line for line in said.splitlines(keepends=True) if not line.startswith("compiling "))
-
-
-def wait_until(holds: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while not holds():
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
 
 
 @pytest.mark.parametrize("kind", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.weekly)])

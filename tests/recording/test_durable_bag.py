@@ -16,6 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from patience import wait_until
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection, QosDurability, QosHistory, QosReliability
 from rosbags.rosbag2 import Reader, ReaderError
@@ -84,13 +85,6 @@ def in_child(work: Callable[[], None]) -> int:
 def assert_killed(child: int) -> None:
     """The child was still at work when the signal came: it did not end by itself."""
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + 10
-    while not condition():
-        assert time.monotonic() < deadline, "the child did not come to life"
-        time.sleep(0.001)
 
 
 def test_messages_come_back_bit_for_bit(tmp_path: Path):

@@ -48,7 +48,6 @@ def test_another_c_library_gives_the_same_bits(machine):
 
 @pytest.mark.weekly
 @pytest.mark.slow
-@pytest.mark.timeout(600)
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_another_compiler_gives_the_same_bits(compiler: str):
     """No target contracts a product and a sum, and no level of optimisation changes the order of sums."""

@@ -9,13 +9,13 @@ import resource
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
+from patience import wait_until
 from rosbags.highlevel import AnyReader
 from run_script import ENVIRONMENT, ROOT, RUN, Running
 
@@ -28,7 +28,7 @@ pytestmark = pytest.mark.slow
 def run(*arguments: object, check: bool = True) -> subprocess.CompletedProcess:
     """Run the script to its end."""
     words = [RUN, *map(str, arguments)]
-    return subprocess.run(words, env=ENVIRONMENT, check=check, capture_output=True, text=True, timeout=100)
+    return subprocess.run(words, env=ENVIRONMENT, check=check, capture_output=True, text=True)
 
 
 def summary(folder: Path) -> dict:
@@ -175,7 +175,7 @@ def test_bad_input_is_one_line_and_a_status(arguments: tuple[str, ...], said: st
 )
 def test_where_no_node_can_hear_another_a_run_is_refused_in_one_line(variable, value, said, tmp_path: Path):
     words = [RUN, "shchur2019", "--duration", "0.1", "--out", tmp_path / "out"]
-    ended = subprocess.run(words, env={**ENVIRONMENT, variable: value}, capture_output=True, text=True, timeout=100)
+    ended = subprocess.run(words, env={**ENVIRONMENT, variable: value}, capture_output=True, text=True)
     assert ended.returncode == 1
     (line,) = [line for line in re.split("[\r\n]+", ended.stderr) if "error" in line.lower()]
     assert line.startswith(f"error: {variable}=") and line.endswith(said)
@@ -195,7 +195,7 @@ def test_a_script_is_found_through_a_link_and_whatever_cdpath_says(name: str, tm
 
 def test_warnings_of_other_packages_end_no_run(tmp_path: Path):
     words = [RUN, "shchur2019", "--in-process", "--duration", "0.1", "--no-record", "--no-report", "--out", tmp_path]
-    subprocess.run(words, env={**ENVIRONMENT, "PYTHONWARNINGS": "error"}, check=True, capture_output=True, timeout=100)
+    subprocess.run(words, env={**ENVIRONMENT, "PYTHONWARNINGS": "error"}, check=True, capture_output=True)
 
 
 def test_nothing_that_a_shell_has_started_outlives_a_runner_that_is_killed(tmp_path: Path):
@@ -204,11 +204,8 @@ def test_nothing_that_a_shell_has_started_outlives_a_runner_that_is_killed(tmp_p
     running = Running(tmp_path / "out", "--node", f"asr=sh -c 'python {node} \"$@\"; true' sh")
     (runner,) = [pid for pid, words in running.processes().items() if "ev-stack run" in words]
     os.kill(runner, signal.SIGKILL)
-    assert running.end(within=10.0) != 0
-    deadline = time.monotonic() + 20.0
-    while running.processes():
-        assert time.monotonic() < deadline, running.processes()
-        time.sleep(0.05)
+    assert running.end() != 0
+    wait_until(lambda: not running.processes(), about=running.processes)
 
 
 def test_broken_yaml_is_named_with_its_line(tmp_path: Path):
@@ -223,10 +220,10 @@ def test_broken_yaml_is_named_with_its_line(tmp_path: Path):
     "name", ["plant", *(pytest.param(name, marks=pytest.mark.weekly) for name in ("asr", "recorder"))]
 )
 def test_killing_a_node_ends_the_run_and_leaves_nothing(name: str, tmp_path: Path):
-    """One of each kind; 5 s are the limit that the project has set itself for a run of which a node has died."""
+    """One of each kind. How soon the run ends, the failure campaign measures."""
     running = Running(tmp_path / "out")
     os.kill(running.node(name), signal.SIGKILL)
-    assert running.end(within=5.0) != 0
+    assert running.end() != 0
     (line,) = [line for line in running.text().splitlines() if "error:" in line]
     assert f"node {name} was killed by SIGKILL" in line
     assert running.left_behind() == ({}, set())
@@ -239,13 +236,15 @@ def test_a_node_that_hangs_is_named_and_the_run_waits_for_it(tmp_path: Path):
     running = Running(tmp_path / "out", "--set", "plant.answer_timeout=1.0")
     hanging = running.node("electronic_differential")
     os.kill(hanging, signal.SIGSTOP)
-    deadline = time.monotonic() + 20.0
-    while "stopped by a signal: electronic_differential" not in running.text():
-        assert time.monotonic() < deadline and running.script.poll() is None, running.text()
-        time.sleep(0.05)
+
+    def is_named() -> bool:
+        assert running.script.poll() is None, running.text()
+        return "stopped by a signal: electronic_differential" in running.text()
+
+    wait_until(is_named, about=running.text)
     os.kill(hanging, signal.SIGCONT)
     os.killpg(running.script.pid, signal.SIGINT)
-    assert running.end(within=10.0) == 130
+    assert running.end() == 130
     assert running.left_behind() == ({}, set())
 
 
@@ -270,7 +269,7 @@ def test_where_nothing_more_can_be_written_the_run_ends_in_one_line(way: tuple[s
 def test_ctrl_c_stops_everything(tmp_path: Path):
     running = Running(tmp_path / "out")
     os.killpg(running.script.pid, signal.SIGINT)
-    assert running.end(within=10.0) == 130
+    assert running.end() == 130
     assert "Traceback" not in running.text()
     assert running.left_behind() == ({}, set())
     assert messages_in(running.folder / "bag")["/ev/wheel_states"] > 50
@@ -290,7 +289,7 @@ def test_sigterm_stops_everything_too(way: tuple[str, ...], tmp_path: Path):
     """What `timeout` and a cancelled job send; only the script gets it, not its nodes."""
     running = Running(tmp_path / "out", *way)
     running.script.send_signal(signal.SIGTERM)
-    assert running.end(within=10.0) == 130
+    assert running.end() == 130
     assert running.text().endswith("stopped\n") and "Traceback" not in running.text()
     assert running.left_behind() == ({}, set())
     assert len(load(running.folder / "signals.npz").time) > 50
@@ -302,8 +301,8 @@ def test_a_node_that_is_told_to_stop_ends_the_run(name: str, tmp_path: Path):
     """It ends with status 0, as these two do at the end of a run."""
     running = Running(tmp_path / "out")
     os.kill(running.node(name), signal.SIGTERM)
-    assert running.end(within=10.0) == 1
-    assert re.search(rf"error: node {name} was stopped at [\d.]+ s of simulated time$", running.text())
+    assert running.end() == 1
+    assert re.search(rf"error: node {name} was stopped, at [\d.]+ s of simulated time$", running.text())
     assert running.left_behind() == ({}, set())
 
 

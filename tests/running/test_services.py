@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -19,7 +20,6 @@ from std_srvs.srv import Trigger
 
 pytestmark = pytest.mark.slow
 
-PATIENCE = 60.0  # s
 SHORT = ("double_lane_change", "--duration", "0.5", "--no-report")
 
 

@@ -13,6 +13,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE
 from schedulers import free_port, process, scheduler_with_two_workers, wait_for_listener
 
 from ev_core.parameters.data_file import files_in_config
@@ -26,7 +27,6 @@ from ev_sim.study.workers import drive_cases, refuse_other_files, refuse_others
 
 pytestmark = pytest.mark.slow
 
-PATIENCE = 60.0  # s
 CASES = [
     Case(f"from {speed:g} m/s", "coast_down", (("plant", "initial_speed", speed),), duration=2.0)
     for speed in (10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
