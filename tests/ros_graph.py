@@ -183,20 +183,24 @@ class Graph:
         """Where the master of time is [s]."""
         return to_seconds(self.nodes["plant"].now)
 
+    def _reached(self) -> float | None:
+        """Where the master of time is [s]; None while there is none."""
+        return self.time if "plant" in self.nodes else None
+
     def run(self, until: Callable[[], bool] | None = None, way: Callable[..., None] = spin) -> None:
         """Run until something holds, by default until the recorder has all; fail where time stands still too long."""
         until = until or (lambda: self.nodes[RECORDER].done)
         next_look = 0.0
-        time_before, since = self.time, time.monotonic()
+        reached, since = self._reached(), time.monotonic()
 
         def finished() -> bool:
-            nonlocal next_look, time_before, since
-            if self.time != time_before:
-                time_before, since = self.time, time.monotonic()
+            nonlocal next_look, reached, since
+            if self._reached() != reached:
+                reached, since = self._reached(), time.monotonic()
             if time.monotonic() >= next_look:
                 self.probe.look()
                 next_look = time.monotonic() + _LOOK_PERIOD
-            assert time.monotonic() < since + PATIENCE, f"at {self.time} s; {self.probe.reports}"
+            assert time.monotonic() < since + PATIENCE, f"at {reached} s; {self.probe.reports}"
             return until()
 
         way(list(self.nodes.values()), finished)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -89,14 +90,22 @@ def end(processes: list[subprocess.Popen]) -> list[str]:
 
 
 def test_a_hub_ends_without_a_word_however_often_it_is_told():
-    """The second Ctrl-C was a traceback; what it cannot do is the line of all commands."""
+    """However often it is interrupted, a hub ends without a line."""
     hub = started([sys.executable, "-m", "ev_sim.commands.can_hub", "--port", "0"])
     hub.stdout.readline()
     hub.send_signal(signal.SIGINT)
     assert end([hub]) == [""]
     assert hub.returncode == 0
-    with pytest.raises(SystemExit, match=r"^error: can_hub: port 65536: "):
+
+
+def test_a_port_of_a_hub_that_is_taken_or_none_is_refused(capsys):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        with pytest.raises(SystemExit, match=f"^error: can_hub: port {port}: Address already in use$"):
+            can_hub.main(["--port", str(port)])
+    with pytest.raises(SystemExit, match="2"):
         can_hub.main(["--port", "65536"])
+    assert "expected a whole number from 0 to 65535" in capsys.readouterr().err
 
 
 def test_torque_goes_through_two_processes_and_a_bus():
