@@ -70,6 +70,30 @@ def test_the_understeer_gradient_of_a_slow_ramp_is_that_of_the_linear_car():
         assert METRICS["understeer_gradient"].measured(driven).value == pytest.approx(of_car, rel=0.05)
 
 
+@pytest.mark.parametrize(
+    ("scenario", "run"),
+    [
+        ("sine_with_dwell", "times_3_5"),
+        ("obstacle_avoidance", "obstacle_avoidance"),
+        ("double_lane_change", "double_lane_change"),
+        ("shchur2019", "shchur2019"),
+    ],
+)
+def test_the_understeer_gradient_is_not_measured_where_the_car_does_not_turn_steadily(scenario, run):
+    """Of a car that neither under- nor oversteers the slopes are 0.0101, 0.0055, -0.0031, -0.0125 there."""
+    runs = ev_sim.run(scenario, runs=[run] if scenario == "sine_with_dwell" else [], metrics=["understeer_gradient"])
+    found = runs.metrics["understeer_gradient"]
+    assert found.value is None
+    assert found.reason.startswith("the car does not turn steadily: ")
+
+
+@pytest.mark.parametrize("car", ["audi_a2", "racing_car"])
+def test_the_ramp_of_the_standard_is_steady_enough(car):
+    """FMVSS 126, S7.6, which the boards record the gradient on."""
+    run = ev_sim.run("sine_with_dwell", runs=["slowly_increasing_steer"], vehicle=car, metrics=["understeer_gradient"])
+    assert 0.0 < run.metrics["understeer_gradient"].value < 0.0015
+
+
 def test_a_bus_has_its_metrics():
     found = ev_sim.run("bench_fault", metrics=OF_A_BUS, duration=0.2).metrics
     assert all(found[name].value is not None for name in OF_A_BUS)

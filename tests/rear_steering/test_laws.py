@@ -73,6 +73,23 @@ def test_in_a_lane_change_little_sideslip_is_left():
     assert zero < straight / 3
 
 
+@pytest.mark.parametrize("speed", [8.0, -5.0, -8.0])
+def test_zero_sideslip_holds_forwards_and_in_reverse(speed):
+    """In a steady bend the lateral velocity is below a twentieth of that of the rear axle, b r."""
+    slow = (
+        ("plant", "initial_speed", speed),
+        ("driver", "speed_profile.speed", [speed]),
+        ("*", "vehicle.mass", 1600.0),
+    )
+    steered = (("rear_steering", "method", "zero_sideslip"), ("steering_column", "scale", 0.1))
+    run = driven(
+        "left", ("plant", "method", "planar_rear_steering"), *slow, *steered, scenario="step_steer", duration=8.0
+    )
+    lateral, yaw_rate = (abs(run.channels[f"twist.{name}"][-1]) for name in ("lateral", "yaw_rate"))
+    assert yaw_rate > 0.001
+    assert lateral < 0.05 * CAR.centre_of_mass_to_rear_axle * yaw_rate
+
+
 def test_wheels_are_turned_by_the_side_force_and_the_motor_works_against_it():
     """With straight wheels only the servo's error is left, below a milliradian; it takes watts, not kilowatts."""
     channels = driven("straight").channels

@@ -4,7 +4,8 @@
 - state, records of numbers: `entry`, `per_wheel`, `series`, `part`, `each_wheel`, and `row` of `Place` and
   `wheel_places`; within a step: `working_memory` of a `memory_type`
 - marks of what may run compiled: `compilable`, `inlined`
-- the vehicle: `Car` for the numbers that a law reads, `Vehicle` for the description, `GRAVITY`, `speed_along_path`
+- the vehicle: `Car` for the numbers that a law reads, `Vehicle` for the description, `GRAVITY`, `speed_along_path`,
+  `turning_length`
 - what the vehicle must have (`needs=`): `any_driven`, `each_driven`, `equal_motors`, `driven`, `only_driven`,
   `FRONT_WHEELS_DRIVEN`, `REAR_WHEELS_DRIVEN`, `ALL_WHEELS_DRIVEN`, and `Need` for one of your own
 - one value per wheel: `Wheels`, `NO_WHEELS`, `WHEEL_NAMES` and the places `FRONT_LEFT` to `REAR_RIGHT`
@@ -43,6 +44,7 @@ from ev_core.vehicle.car import (
     equal_motors,
     only_driven,
     speed_along_path,
+    turning_length,
 )
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.compilable import compilable, inlined

@@ -14,7 +14,7 @@ from ev_control.shared.torque_split import (
     differential,
     torque_difference_per_steering_moment,
 )
-from ev_core.law import InertialMeasurement, compilable, entry, group, method, parameter
+from ev_core.law import InertialMeasurement, compilable, entry, group, method, parameter, turning_length
 from ev_core.vehicle.car import FRONT_WHEELS_DRIVEN, GRAVITY, Car, only_driven
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, TireForces, WheelStates, WheelTorqueRequest
 
@@ -189,7 +189,7 @@ class CourseStabilityParameters(AssistanceParameters):
         source="assumption: what drivers still hold against",
     )  # fmt: skip
     understeer: float = parameter(
-        0.0, unit="s^2/m", low=-0.1, high=0.1, about="K of the reference r = u delta/(L + K u^2)", source="assumption"
+        0.0, unit="s^2/m", low=-0.1, high=0.1, about="K of the reference r = u delta/(L + K u |u|)", source="assumption"
     )  # fmt: skip
     error_factor: float = parameter(
         1.0, unit="1", low=0.1, high=10.0, about="friction that the law believes in over that of the plant"
@@ -223,7 +223,7 @@ def course_stability(
 
     dM_s = (2 r_k i/d)(gamma M_b - k_ck alpha - b_ck alpha') (Shchur 2019, eq 4), dM_y = (2 r_k/d) M_z: by his eqs 2 and
     3 the lever d/2 that turns the car turns the road wheels as well. M_z = k_r (r* - r) within +-i largest_hand_torque,
-    r* = u delta*/(L + K u^2) within +-share mu g/u, delta* what the driver wants, delta or by eq 5 at rest
+    r* = u delta*/(L + K u |u|) within +-share mu g/u, delta* what the driver wants, delta or by eq 5 at rest
     (1 + gamma) i M_b/(k_p + i^2 k_ck). Of the room that motors and adhesion leave beside half of the drive torque on
     each wheel, the first of both gets what it asks for, the other one its demand within the share that is left. u [m/s]
     comes from the free rear wheels, the yaw rate r [rad/s] from its sensor; left positive. An absurd measurement leaves
@@ -258,7 +258,7 @@ def yaw_moment(
         i = car.steering_ratio
         wish = (1.0 + p.gamma) * i * column.hand_torque / (p.stiffness + i * i * p.k_ck)
     limit = p.grip_share * friction * GRAVITY / abs(u)
-    wanted = min(max(u * wish / (car.wheelbase + p.understeer * u * u), -limit), limit)
+    wanted = min(max(u * wish / turning_length(car.wheelbase, p.understeer, u), -limit), limit)
     least, most = (min(wanted, 0.0), max(wanted, 0.0)) if p.against == ONLY_OVERSTEER else (wanted, wanted)
     error = min(max(yaw_rate, least), most) - yaw_rate
     largest = car.steering_ratio * p.largest_hand_torque

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ev_control.estimation.wheel_dynamics import Filtered, filter_share, follow, forget_filtered, slowest_wheel
 from ev_control.shared.allocation import motor_range
-from ev_core.law import Car, InertialMeasurement, compilable, copysign, cos, entry, parameter, part, sin
+from ev_core.law import Car, InertialMeasurement, compilable, copysign, cos, entry, parameter, part, sin, turning_length
 
 BLENDINGS = ("drives", "friction")
 DRIVES, FRICTION = range(len(BLENDINGS))
@@ -182,10 +182,11 @@ def yaw_error(
 ) -> float:
     """Wanted minus measured yaw rate [rad/s], beyond the deadband.
 
-    r* = V tan(delta)/(L + K V^2), the steady single-track model with K the understeer gradient, within what the road
+    r* = V tan(delta)/(L + K V |V|), the steady single-track model with K the understeer gradient, within what the road
     gives now, (|a_y| + margin)/|V|: no friction has to be known. V along the car's axis, negative in reverse [m/s].
     """
-    steered = speed * sin(road_wheel_angle) / cos(road_wheel_angle) / (car.wheelbase + p.understeer * speed * speed)
+    length = turning_length(car.wheelbase, p.understeer, speed)
+    steered = speed * sin(road_wheel_angle) / cos(road_wheel_angle) / length
     most = (abs(imu.lateral_acceleration) + p.margin) / max(abs(speed), 0.1)
     error = min(max(steered, -most), most) - imu.yaw_rate
     return copysign(max(abs(error) - p.deadband, 0.0), error)

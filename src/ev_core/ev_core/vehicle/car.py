@@ -72,6 +72,16 @@ def speed_along_path(body: BodyVelocity) -> float:
     return copysign(hypot(body.longitudinal, body.lateral), body.longitudinal)
 
 
+@compilable
+def turning_length(wheelbase: float, understeer: float, speed: float) -> float:
+    """L + K u |u| [m] of the steady linear car r = u delta/(L + K u |u|), at a speed u, negative in reverse [m/s].
+
+    K is the understeer gradient [rad s^2/m] of the tyres: they push against their way aside wherever they roll, so that
+    in reverse the car turns more than a neutral one. At least L/10: beyond its critical speed it has no steady turn.
+    """
+    return max(wheelbase + understeer * speed * abs(speed), 0.1 * wheelbase)
+
+
 @inlined
 def front_wheel_tangents(mean: float, wheelbase: float, front_track: float, parallel: float) -> tuple[float, float]:
     """Tangents of the left and the right front wheel's angle from that of the mean one; a number or an array (n,).

@@ -31,15 +31,13 @@ class PreviewState:
     direction: float = entry(1.0, unit="1", about="to which the eyes look: 1 ahead, -1 back")
 
 
-class Preview(NamedTuple):
-    """Gains, the share of a step that the arms make in a period, and the linear car on a steady circle.
+class SteadyCircle(NamedTuple):
+    """The linear car on a steady circle, one way: delta = (length/V + gradient |V|) r, v = (arm - lag |V| V) r.
 
-    There delta = (length/V + gradient |V|) r and v = (arm - lag |V| V) r, lengths in m and the others in s^2/m;
-    `settling` m/(C_1 + C_2) [s^2/m] times the speed is the time in which it gets there.
+    Lengths in m and the others in s^2/m; `settling` m/(C_1 + C_2) [s^2/m] times the speed is the time in which it gets
+    there.
     """
 
-    gains: PreviewGains
-    share: float
     length: float
     gradient: float
     arm: float
@@ -47,15 +45,28 @@ class Preview(NamedTuple):
     settling: float
 
 
+class Preview(NamedTuple):
+    """Gains, the share of a step that the arms make in a period, and the linear car forwards and in reverse."""
+
+    gains: PreviewGains
+    share: float
+    forwards: SteadyCircle
+    reverse: SteadyCircle
+
+
 def preview_of(p: PreviewParameters, vehicle: Vehicle, period: float) -> Preview:
     """What the driver knows of his car, for a period [s]."""
+    circles = steady_circle(vehicle, 1.0), steady_circle(vehicle, -1.0)
+    return Preview(preview_gains(p, vehicle), 1.0 - exp(-period / p.lag), *circles)
+
+
+def steady_circle(vehicle: Vehicle, ahead: float) -> SteadyCircle:
+    """The linear car that goes forwards, `ahead` 1, or in reverse, -1."""
     learns = vehicle.rear_steering_ratio < _TURNS_ALONG
     steered = 1.0 - min(vehicle.rear_steering_ratio, _TURNS_ALONG)
-    length, gradient = vehicle.wheelbase / steered, understeer_gradient(vehicle) / steered
-    front, rear = axle_cornering_stiffnesses(vehicle)
-    return Preview(
-        preview_gains(p, vehicle),
-        1.0 - exp(-period / p.lag),
+    length, gradient = vehicle.wheelbase / steered, understeer_gradient(vehicle, ahead=ahead) / steered
+    front, rear = axle_cornering_stiffnesses(vehicle, ahead=ahead)
+    return SteadyCircle(
         length,
         gradient,
         vehicle.centre_of_mass_to_rear_axle + vehicle.rear_steering_ratio * length,
@@ -97,9 +108,10 @@ def look_ahead(
     heading = _turn(along_x, along_y, cosine, sine)
     lateral = (along_x * (pose.y - here_y) - along_y * (pose.x - here_x)) / (taken * POINT_STEP)
     if abs(speed) > GAIN_SPEEDS[0]:
-        besides = wheels - (c.length / speed + c.gradient * abs(speed)) * body.yaw_rate
-        sliding = (body.lateral - (c.arm - c.lag * abs(speed) * speed) * body.yaw_rate) / speed
-        settled = p.lag + p.column_lag + c.settling * abs(speed)
+        linear = c.forwards if speed > 0.0 else c.reverse
+        besides = wheels - (linear.length / speed + linear.gradient * abs(speed)) * body.yaw_rate
+        sliding = (body.lateral - (linear.arm - linear.lag * abs(speed) * speed) * body.yaw_rate) / speed
+        settled = p.lag + p.column_lag + linear.settling * abs(speed)
         share = min(period / (p.learning * settled), 1.0)
         s.besides = _learnt(p, s.besides, share, besides)
         s.sliding = _learnt(p, s.sliding, share, sliding)

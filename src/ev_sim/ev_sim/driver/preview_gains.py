@@ -119,7 +119,9 @@ def _model(p: PreviewParameters, vehicle: Vehicle, speed: np.ndarray) -> tuple[n
     x is STATES, u the rate of the intended road-wheel angle [rad/s]; angles are small.
     """
     rear = vehicle.centre_of_mass_to_rear_axle
-    axles = zip((vehicle.wheelbase - rear, -rear), axle_cornering_stiffnesses(vehicle), strict=True)
+    ahead, back = (axle_cornering_stiffnesses(vehicle, ahead=way) for way in (1.0, -1.0))
+    stiffnesses = (np.where(speed > 0.0, *of_axle) for of_axle in zip(ahead, back, strict=True))
+    axles = zip((vehicle.wheelbase - rear, -rear), stiffnesses, strict=True)
     a, b = np.zeros((len(speed), len(STATES), len(STATES))), np.zeros((len(speed), len(STATES), 1))
     for (place, stiffness), steered in zip(axles, (1.0, vehicle.rear_steering_ratio), strict=True):
         for state, inertia in ((ASIDE, vehicle.mass), (TURNING, vehicle.yaw_inertia / place)):

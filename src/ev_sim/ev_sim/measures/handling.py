@@ -19,7 +19,12 @@ from ev_sim.recording.recording import Recording
 from ev_sim.surfaces import SURFACES, Surface, curve_on_road, tyre_on_road
 from ev_sim.tyres.curve import peak_slip
 
+_LEAST_LENGTH = 0.1  # of the wheelbase: ten times the yaw rate of a neutral car
 GRADIENT_RANGE = (0.5, 4.0)  # [m/s^2], lateral accelerations over which gradients are taken
+# The ramp of FMVSS 126, S7.6, has 0.4 m/s^2 of V beta' and 2 to 5.4 m/s^3, lane changes 2 m/s^2 or 8 m/s^3 and more.
+UNSTEADY = 0.5  # [m/s^2], of V beta' and V'
+FASTEST_CHANGE, WHILE = 6.0, 0.5  # [m/s^3] of the lateral acceleration, over [s]
+LARGEST_ANGLE = 0.1  # [rad] of the road wheels, where tan(delta) is 0.3 % more than delta
 
 
 class Direction(NamedTuple):
@@ -73,13 +78,17 @@ def has_spun(run: Recording) -> bool:
 def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
     """Root mean square of the yaw rate less that of the linear car, while the car moves [rad/s].
 
-    r = u delta/(L + K_us u^2) with the understeer gradient at small slip, within +-mu g/u by the mean available
-    friction; without tyres there is no such limit. After Rajamani, Vehicle Dynamics and Control, 2012, chapter 8.
+    r = u delta/(L + K_us u |u|) with the understeer gradient at small slip, ahead or in reverse, within +-mu g/u by the
+    mean available friction; without tyres there is no such limit. After Rajamani, Vehicle Dynamics and Control, 2012,
+    chapter 8.
     """
     _refuse_slip_speed(vehicle)
     speed, angle = channel(run, "twist.longitudinal"), channel(run, motion.ROAD_WHEEL_ANGLE)
     turned = angle * (1.0 - vehicle.rear_steering_ratio) - run.channels.get("rear_steering.state.angle", 0.0)
-    wanted = speed * turned / (vehicle.wheelbase + understeer_gradient(vehicle) * speed**2)
+    gradient = np.where(speed < 0.0, -understeer_gradient(vehicle, ahead=-1.0), understeer_gradient(vehicle))
+    # Beyond its critical speed the linear car has no steady turn: only friction limits what it would do.
+    length = np.maximum(vehicle.wheelbase + gradient * speed**2, _LEAST_LENGTH * vehicle.wheelbase)
+    wanted = speed * turned / length
     if f"tire_forces.friction_coefficient.{WHEEL_NAMES[0]}" in run.channels:
         friction = np.mean(of_wheels(run, "tire_forces.friction_coefficient"), axis=0)
         limit = friction * GRAVITY / np.maximum(np.abs(speed), motion.SLOWEST)
@@ -91,11 +100,38 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
 
 
 def measured_understeer_gradient(run: Recording, vehicle: Vehicle) -> float:
-    """Slope of delta - L a_y/V^2 over a_y, before it is first beyond GRADIENT_RANGE [rad s^2/m]; magnitudes."""
+    """Slope of delta - L a_y/V^2 over a_y, before it is first beyond GRADIENT_RANGE [rad s^2/m]; magnitudes.
+
+    NotMeasured unless the car turns steadily all the while, as on a slow ramp of the steering wheel or a circle (ISO
+    4138): elsewhere the angle also turns the car, and the slope is no property of it.
+    """
     across = np.abs(motion.lateral_acceleration_on_path(run))
+    _refuse_unsteady(run, across)
     rolling = vehicle.wheelbase * across / np.maximum(motion.speed(run), motion.SLOWEST) ** 2
     beyond = np.abs(channel(run, motion.ROAD_WHEEL_ANGLE)) - rolling
     return motion.line_over(across, beyond, *GRADIENT_RANGE)[0]
+
+
+def _refuse_unsteady(run: Recording, across: np.ndarray) -> None:
+    """NotMeasured where the car does not turn steadily, or so sharply that L/R is not the angle of rolling."""
+    low, high = GRADIENT_RANGE
+    beyond = np.flatnonzero(across > high)
+    if len(run.time) < 2 or not len(beyond):
+        return  # `motion.line_over` gives the reason
+    speed = motion.speed(run)
+    of_sideslip = np.abs(across - speed * np.abs(channel(run, motion.YAW_RATE)))
+    of_speed = np.abs(np.gradient(speed, run.time))
+    before = np.interp(run.time - WHILE, run.time, across)
+    rate, angle = (across - before) / WHILE, np.abs(channel(run, motion.ROAD_WHEEL_ANGLE))
+    counts = (np.arange(len(across)) < beyond[0]) & (across >= low)
+    for values, most, what in (
+        (np.maximum(of_sideslip, of_speed), UNSTEADY, "its sideslip or speed changes"),
+        (np.abs(rate), FASTEST_CHANGE, "its lateral acceleration changes"),
+        (angle, LARGEST_ANGLE, "its front wheels are turned far"),
+    ):
+        found = np.flatnonzero(counts & (values > most))
+        if len(found):
+            raise NotMeasured(f"the car does not turn steadily: {what} at {run.time[found[0]]:g} s")
 
 
 def peak_slip_ratio(run: Recording) -> float:

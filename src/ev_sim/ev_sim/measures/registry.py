@@ -159,13 +159,14 @@ _OF_ANY_RUN = (
         (_TWIST,), LOWER,
     ),
     NamedMetric(
-        "yaw_rate_error", "rad/s", "rms(r - u delta/(L + K_us u^2)) while the car moves, within +-mu g/u",
+        "yaw_rate_error", "rad/s", "rms(r - u delta/(L + K_us u |u|)) while the car moves, within +-mu g/u",
         lambda run: handling.yaw_rate_error(run.signals, run.vehicle), (_TWIST, _ANGLE, motion.YAW_RATE), LOWER,
     ),
     NamedMetric(
-        "understeer_gradient", "rad s^2/m", "slope of |delta| - L |a_y|/V^2 over |a_y| from 0.5 to 4 m/s^2",
+        "understeer_gradient", "rad s^2/m",
+        "slope of |delta| - L |a_y|/V^2 over |a_y| from 0.5 to 4 m/s^2, of a car that turns steadily",
         lambda run: handling.measured_understeer_gradient(run.signals, run.vehicle),
-        (_TWIST, _ANGLE, *_ACCELERATION),
+        (_TWIST, _ANGLE, motion.YAW_RATE, *_ACCELERATION),
     ),
     NamedMetric(
         "peak_slip", "1", "max |slip ratio| of any wheel while the car moves",

@@ -14,16 +14,17 @@ from ev_sim.tyres.curve import FRICTION_CURVES, SLIP_FLOOR, secant
 from ev_sim.tyres.mf_tyre import cornering_stiffness
 
 
-def axle_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE) -> tuple[float, float]:
+def axle_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE, ahead: float = 1.0) -> tuple[float, float]:
     """Cornering stiffnesses C_1, C_2 of the front and the rear axle [N/rad] at static load, small slip and no drive.
 
     Those of the tyres with compliance steer, which turns front wheels out of the bend and rear ones into it:
-    1/C = 1/C_tyres + c in front and 1/C = 1/C_tyres - c behind.
+    1/C = 1/C_tyres + c in front and 1/C = 1/C_tyres - c behind. In reverse, `ahead` -1, the signs of c turn around: a
+    wheel turned out of the bend then rolls more aside than before.
     """
     front, rear = tyre_cornering_stiffnesses(vehicle, surface)
     suspension = vehicle.suspension
-    softened = 1.0 / (1.0 / front + suspension.front_compliance_steer)
-    return softened, 1.0 / (1.0 / rear - suspension.rear_compliance_steer)
+    softened = 1.0 / (1.0 / front + ahead * suspension.front_compliance_steer)
+    return softened, 1.0 / (1.0 / rear - ahead * suspension.rear_compliance_steer)
 
 
 def tyre_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE) -> tuple[float, float]:
@@ -54,13 +55,15 @@ def axle_masses(vehicle: Vehicle) -> tuple[float, float]:
     return front, vehicle.mass - front
 
 
-def understeer_gradient(vehicle: Vehicle, surface: str = REFERENCE) -> float:
+def understeer_gradient(vehicle: Vehicle, surface: str = REFERENCE, ahead: float = 1.0) -> float:
     """K_us = m_1/C_1 - m_2/C_2 [rad s^2/m], with the masses on the axles; above zero for an understeering car.
 
-    delta = L/R + K_us V^2/R on a steady circle (ISO 4138 has the term).
+    delta = L/R + K_us V^2/R on a steady circle (ISO 4138 has the term). The steady yaw rate at a speed u, negative in
+    reverse, is r = u delta/(L + K_us u |u|) with the stiffnesses of that direction, `ahead` 1 or -1: tyres push against
+    their way aside wherever they roll, so that what understeers forwards turns more than a neutral car in reverse.
     """
     front, rear = axle_masses(vehicle)
-    front_stiffness, rear_stiffness = axle_cornering_stiffnesses(vehicle, surface)
+    front_stiffness, rear_stiffness = axle_cornering_stiffnesses(vehicle, surface, ahead)
     return front / front_stiffness - rear / rear_stiffness
 
 

@@ -90,17 +90,21 @@ def speed_dependent(
     turn(p, c.servo, s, wanted, moment_of_road(p, tyres))
 
 
+_LEAST_ARM = 0.1  # of the front axle's
+
+
 class ZeroSideslipConstants(NamedTuple):
-    """The motor, and the cornering stiffnesses of the axles on dry asphalt at static load."""
+    """The motor, and the cornering stiffnesses C_1, C_2 of the axles on dry asphalt at static load [N/rad]."""
 
     servo: Servo
-    front_stiffness: float  # C_1 [N/rad]
-    rear_stiffness: float  # C_2 [N/rad]
+    forwards: tuple[float, float]
+    reverse: tuple[float, float]
 
 
 def zero_sideslip_constants(p: SteeringMotorParameters, vehicle: Vehicle, period: float) -> ZeroSideslipConstants:
     """The motor over a period [s], and the axles of the vehicle."""
-    return ZeroSideslipConstants(servo(p, period), *axle_cornering_stiffnesses(vehicle))
+    forwards, reverse = (axle_cornering_stiffnesses(vehicle, ahead=ahead) for ahead in (1.0, -1.0))
+    return ZeroSideslipConstants(servo(p, period), forwards, reverse)
 
 
 @rear_steering("zero_sideslip", SteeringMotorParameters, prepare=zero_sideslip_constants)
@@ -117,10 +121,13 @@ def zero_sideslip(
     """Turn the rear wheels so that the linear car of its own tyres turns without sideslip.
 
     With forces m V r b/L in front and m V r a/L behind, slip angles delta_f - a r/V and delta_r + b r/V, and V_y = 0:
-    delta_r/delta_f = (m a V^2/(L C_2) - b)/(m b V^2/(L C_1) + a), a and b from the centre of mass to the axles.
+    delta_r/delta_f = (m a V|V|/(L C_2) - b)/(m b V|V|/(L C_1) + a), a and b from the centre of mass to the axles.
     """
     b = car.centre_of_mass_to_rear_axle
     a = car.wheelbase - b
-    squared = car.mass * velocity.longitudinal * velocity.longitudinal / car.wheelbase
-    ratio = (a * squared / c.rear_stiffness - b) / (b * squared / c.front_stiffness + a)
+    speed = velocity.longitudinal
+    front, rear = c.forwards if speed >= 0.0 else c.reverse
+    squared = car.mass * speed * abs(speed) / car.wheelbase
+    # In reverse the front wheels turn the car ever more, until no angle of the rear wheels could go with theirs.
+    ratio = (a * squared / rear - b) / max(b * squared / front + a, _LEAST_ARM * a)
     turn(p, c.servo, s, ratio * column.road_wheel_angle, moment_of_road(p, tyres))

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from functools import partial
 
-from ev_core.law import Car, Vehicle, compilable, entry, group, method, parameter, setting, sin, tan
+from ev_core.law import Car, Vehicle, compilable, entry, group, method, parameter, setting, sin, tan, turning_length
 from ev_msgs_py.contract.signals import BodyVelocity, Instant, SteeringColumnState
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
 
@@ -185,16 +185,17 @@ def active_front(
 ) -> None:
     """Steer as the robot does, and add k (r* - r) to the road wheels, by a superposition gear.
 
-    r* = V tan(d)/(L + K V^2) with the hands' own angle d, within a_y/|V|: the steady single-track model, no source has
-    it. In reverse the sign turns around, since there the front wheels turn the car the other way. The added angle keeps
-    to `largest_angle` and `largest_rate`; the hands do not feel it. The yaw rate and V are the true ones, as those of
-    the rear steering are.
+    r* = V tan(d)/(L + K V |V|) with the hands' own angle d, within a_y/|V|: the steady single-track model, no source
+    has it. In reverse the sign turns around, since there the front wheels turn the car the other way. The added angle
+    keeps to `largest_angle` and `largest_rate`; the hands do not feel it. The yaw rate and V are the true ones, as
+    those of the rear steering are.
     """
     s.angle, s.added = s.next_angle, s.next_added
     s.next_angle = towards(p, period, s.angle, wanted_angle(p, c, now.time + 2 * period))
     speed, added = body.longitudinal, 0.0
     if abs(speed) >= p.slowest:
-        steered = speed * tan(s.angle / car.steering_ratio) / (car.wheelbase + p.understeer * speed * speed)
+        length = turning_length(car.wheelbase, p.understeer, speed)
+        steered = speed * tan(s.angle / car.steering_ratio) / length
         most = p.largest_acceleration / abs(speed)
         error = min(max(steered, -most), most) - body.yaw_rate
         added = min(max(p.gain * (error if speed > 0.0 else -error), -p.largest_angle), p.largest_angle)
