@@ -9,6 +9,7 @@ import pytest
 
 from ev_core.nodes.master.node import MasterNode
 from ev_core.nodes.runner_line import WAITS, RunnerLine, Waiting, Word
+from ev_sim.running import processes
 from ev_sim.running.node_reports import NodeReports as Told
 from ev_sim.running.processes import Hanging
 
@@ -99,3 +100,18 @@ def test_a_plant_that_waits_for_nothing_but_its_pace_does_not_hang(monkeypatch):
 
     assert said(60.0, idle=True) == []
     assert said(60.0, idle=False) == ["node plant does not answer, at 0.01 s of simulated time"]
+
+
+@pytest.mark.parametrize(
+    ("stopped", "line"), [(True, "stopped by a signal: asr, at 0 s of simulated time"), (False, None)]
+)
+def test_a_node_that_is_stopped_while_nodes_start_is_named_at_once(stopped: bool, line: str | None, monkeypatch):
+    """Nodes may take 10 s to start; one that the kernel has stopped does not start."""
+    now = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(processes, "_is_stopped", lambda pid: stopped and pid == 7)
+    hanging = Hanging(Told("/ev"), {"plant": 1, "asr": 7}, 2.0, realtime=False)
+    now[0] = 1.7
+    assert hanging.look() is None
+    now[0] = 1.9
+    assert hanging.look() == line

@@ -88,9 +88,11 @@ class Hanging:
         waits_for_its_time = self._reports.waits_for(MASTER, _RECENT) == []  # a step may take seconds at a slow pace
         if self._reports.time != self._time or self._reports.rests or waits_for_its_time:
             self._time, self._since, self._named = self._reports.time, now, False
-        elif not self._named and now - self._since > (self._wait if self._time else _TO_COME_UP):
-            self._named = True
+        elif not self._named and now - self._since > self._wait:
             stopped = [name for name, pid in self._pids.items() if _is_stopped(pid)]
+            if not stopped and self._time == 0.0 and now - self._since < _TO_COME_UP:
+                return None
+            self._named = True
             if stopped:
                 return f"stopped by a signal: {', '.join(stopped)}, at {self._time:g} s of simulated time"
             return f"node {self._who()} does not answer, at {self._time:g} s of simulated time"
