@@ -3,6 +3,7 @@
 set -euo pipefail
 trap 'echo stopped >&2; exit 130' INT TERM
 [[ -e /proc/self/fd/2 ]] || exec 2>/dev/null
+pwd -P &>/dev/null || { echo "error: the working directory was deleted, expected one that exists" >&2 && exit 1; }
 here="${BASH_SOURCE[0]}"
 [[ ! -L "$here" ]] || here="$(readlink -f "$here")"
 [[ "$here" == */* ]] || here="./$here"

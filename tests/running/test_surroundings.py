@@ -92,3 +92,12 @@ def test_python_of_the_environment_starts_in_the_c_locale():
     """The file with the paths of the packages is ASCII whatever the checkout is called."""
     paths = [Path(each) / "ev_stack.pth" for each in sys.path if (Path(each) / "ev_stack.pth").exists()]
     assert all(path.read_bytes().isascii() for path in paths)
+
+
+def test_a_working_directory_that_was_deleted_is_one_line_of_ours(tmp_path: Path):
+    """Bash adds lines of its own before it reads the script."""
+    line = f'cd "$0" && rmdir "$0" && {RUN} shchur2019 --offline'
+    (tmp_path / "gone").mkdir()
+    done = subprocess.run(["bash", "-c", line, tmp_path / "gone"], env=ENVIRONMENT, capture_output=True, text=True)
+    ours = [each for each in done.stderr.splitlines() if "getcwd" not in each]
+    assert (done.returncode, ours) == (1, ["error: the working directory was deleted, expected one that exists"])
