@@ -155,7 +155,7 @@ def _parts(configuration: Configuration, required: Collection[str], bare: bool) 
 
 
 def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
-    """The numbers among the parameters that nothing else is made of before the first step."""
+    """The numbers among the parameters that nothing else is made of before the first step, and no rule ties to others."""
     law, used = law_of(configuration.method), set[str]()
     parameters, common = _watched(configuration.given, used), configuration.common
     if law.prepare:
@@ -185,7 +185,10 @@ def _names(tree: Mapping[str, Any], prefix: str = "") -> list[str]:
 
 
 def _watched(parameters: Any, used: set[str], prefix: str = "") -> Any:
-    """The same parameters, as an object of a class below theirs that notes the names of those that are read."""
+    """The same parameters, as an object of a class below theirs that notes the names of those that are read.
+
+    Those that a rule of their dataclass reads are noted at once: an export, which does not know the rule, fixes them.
+    """
     kind: type = type(parameters)
     names = [f.name for f in fields(kind)] if is_dataclass(kind) else [*vars(parameters)]
 
@@ -201,6 +204,8 @@ def _watched(parameters: Any, used: set[str], prefix: str = "") -> Any:
         value = getattr(parameters, name)
         of_group = _watched(value, used, f"{prefix}{name}.") if _is_group(value) else value
         object.__setattr__(made, name, of_group)
+    if hasattr(made, "__post_init__"):
+        made.__post_init__()
     return made
 
 

@@ -1,0 +1,66 @@
+"""Rules between parameters hold in an export: what it lets change on its own, a run takes in every combination."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.export.content import Content, Tunable
+from ev_sim.interface.driving import only_run, overrides
+from ev_sim.scenarios.scenario import Run, load_scenario, scenario_names
+
+_LARGE = 1e6  # in the place of a bound that there is not
+
+
+@cache
+def methods() -> dict[tuple[str, str], Run]:
+    """A run with each method that there is in the scenarios, and with laws that have rules."""
+    runs = [run for name in scenario_names() for run in load_scenario(name).runs]
+    for role, method in (
+        ("electronic_differential", "direct_yaw_moment"),
+        ("asr", "least_squares"),
+        ("asr", "slip_window"),
+    ):
+        runs.append(only_run("urban_mixed", "", overrides(method={role: method})))
+    return {(role, each.method.name): run for run in runs for role, each in run.configurations.items()}
+
+
+@cache
+def tunables(role: str, method: str) -> tuple[Tunable, ...]:
+    """What may change in an export of this role; nothing where there is no such export."""
+    try:
+        content = Content(methods()[role, method], only=[role], bare=True)
+    except ParameterError:
+        return ()
+    return tuple(tunable for part in content.parts for tunable in part.tunables)
+
+
+@given(st.data())
+@settings(max_examples=200, deadline=None)
+def test_a_run_takes_every_combination_that_an_export_takes(data):
+    """Within its bounds and at them, each parameter on its own."""
+    role, method = data.draw(st.sampled_from(sorted(methods())))
+    values = {}
+    for tunable in tunables(role, method):
+        low, high = max(tunable.low, -_LARGE), min(tunable.high, _LARGE)
+        inside = st.sampled_from([low, high]) | st.floats(low, high)
+        values[tunable.name.removeprefix(f"{role}.")] = data.draw(inside, label=tunable.name)
+    methods()[role, method].configurations[role].changed(values)
+
+
+@pytest.mark.parametrize(
+    ("role", "method", "free", "tied"),
+    [
+        ("electronic_differential", "direct_yaw_moment", "wanted.gradient", ("first_sideslip", "last_sideslip")),
+        ("asr", "least_squares", "use", ("backstop", "least_slip", "first_slip")),
+        ("asr", "slip_window", "rise", ("low", "high")),
+    ],
+)
+def test_what_a_rule_ties_to_others_is_fixed_in_an_export(role, method, free, tied):
+    names = [tunable.name for tunable in tunables(role, method)]
+    assert f"{role}.{free}" in names
+    assert not [name for name in names if name.rpartition(".")[2] in tied]
