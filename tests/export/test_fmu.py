@@ -13,6 +13,8 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 import ev_sim
 from ev_sim.commands.ev_stack import perform
@@ -74,7 +76,7 @@ def whole(request, made):
 class Instance:
     """An FMU in this process, whatever its version; `calls` are those of FMPy."""
 
-    def __init__(self, file: Path, token: str = "") -> None:
+    def __init__(self, file: Path, token: str = "", begins: bool = True) -> None:
         self.described = fmpy.read_model_description(str(file))
         self.is_2 = self.described.fmiVersion == "2.0"
         self.references = {v.name: v.valueReference for v in self.described.modelVariables}
@@ -85,20 +87,21 @@ class Instance:
         if token:
             self.described.guid = self.described.instantiationToken = token
         self.calls = fmpy.simulation.instantiate_fmu(fmpy.extract(str(file)), self.described, logger=self.log)
-        self.begin()
+        if begins:
+            self.begin()
 
     def log(self, *words) -> None:
         self.lines.append(words[-1].decode())
 
-    def set_up(self, start: float) -> None:
+    def set_up(self, start: float, stop: float | None = None) -> None:
         if self.is_2:
-            self.calls.setupExperiment(startTime=start)
+            self.calls.setupExperiment(startTime=start, stopTime=stop)
             self.calls.enterInitializationMode()
         else:
-            self.calls.enterInitializationMode(startTime=start)
+            self.calls.enterInitializationMode(startTime=start, stopTime=stop)
 
-    def begin(self) -> None:
-        self.set_up(0.0)
+    def begin(self, start: float = 0.0, stop: float | None = None) -> None:
+        self.set_up(start, stop)
         self.calls.exitInitializationMode()
 
     def get(self, names) -> list[float]:
@@ -109,8 +112,11 @@ class Instance:
         call = self.calls.setReal if self.is_2 else self.calls.setFloat64
         call([self.references[name] for name in names], values)
 
+    def step_from(self, time: float, size: float = PERIOD) -> None:
+        self.calls.doStep(currentCommunicationPoint=time, communicationStepSize=size)
+
     def step(self, n: int, size: float = PERIOD) -> list[float]:
-        self.calls.doStep(currentCommunicationPoint=n * PERIOD, communicationStepSize=size)
+        self.step_from(n * PERIOD, size)
         return self.get(self.outputs)
 
 
@@ -185,7 +191,7 @@ def test_car_and_law_coupled_in_a_bare_python_are_the_plain_run(made, plain, tmp
 def test_a_parameter_that_is_set_before_the_start_is_that_of_another_plain_run(whole, plain):
     other = ev_sim.run("shchur2019", set={**CHANGED, GAIN: 500.0}, duration=DURATION).signals
     assert not same_bits(other[TORQUE], plain[TORQUE])
-    one = Instance(whole)
+    one = Instance(whole, begins=False)
     one.set([GAIN], [500.0])
     one.begin()
     assert one.get([GAIN]) == [500.0]
@@ -208,7 +214,7 @@ def test_a_parameter_may_change_from_step_to_step(whole, plain):
 
 
 def test_an_input_that_is_set_before_the_start_is_held(made):
-    law = Instance(made("--only", ROLE, name="int"))
+    law = Instance(made("--only", ROLE, name="int"), begins=False)
     (name, *_) = law.inputs
     law.set([name], [0.25])
     law.begin()
@@ -235,14 +241,14 @@ def test_the_descriptions_are_valid_and_complete(whole, made):
 @pytest.mark.parametrize(
     ("change", "line"),
     [
-        (lambda it: it.step(0, 1.5 * PERIOD), "step size 0.015 s is refused, allowed is 0.01 s or a multiple of it"),
+        (lambda it: it.step(0, 1.5 * PERIOD), "step size 0.015 s is refused, expected 0.01 s or a multiple of it"),
         (lambda it: it.step(0, 1e17), "step size 1e+17 s is refused"),
         (lambda it: it.set(it.inputs[:2], [0.5, np.nan]), " is refused: not finite"),
         (lambda it: it.set([it.inputs[0], it.outputs[0]], [0.5, 0.5]), "only inputs and parameters can be set"),
-        (lambda it: it.set_up(np.nan), "start time nan s is refused"),
-        (lambda it: it.set_up(np.inf), "start time inf s is refused"),
+        (lambda it: it.begin(), " between steps is refused, expected before initialization"),
+        (lambda it: it.calls.exitInitializationMode(), "between steps is refused, expected during initialization"),
         (lambda it: it.calls.setFMUState(None), "there is no state"),
-        (lambda it: it.step(3), "a step from 0.03 s is refused, the state is that of 0 s"),
+        (lambda it: it.step(3), "a step from 0.03 s is refused, the last one ended at 0 s, 0.03 s from there"),
         (lambda it: it.set([f"{ROLE}.gamma"], [-1e9]), f"parameter {ROLE}.gamma is refused: out of range"),
         (lambda it: it.calls.deserializeFMUState(bytes(10)), "the bytes are no state of this FMU"),
     ],
@@ -256,6 +262,105 @@ def test_what_is_refused_is_one_line_in_the_log_and_changes_nothing(made, fmi, c
         change(law)
     assert [line in each for each in law.lines] == [True]
     assert law.get(law.references) == before
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_a_clock_that_adds_its_step_goes_on_for_half_an_hour(made, fmi):
+    """1.8 million times 1 ms, which are 3.6e-8 s less than 1800 s then; the outputs are of an instant that is one."""
+    law = Instance(made("--only", ROLE, "--set", "*.control_period=0.001", "--fmi", str(fmi), name="int"))
+    time, period = 0.0, 0.001
+    for _ in range(1_800_000):
+        law.step_from(time, period)
+        time += period
+    assert abs(time - 1800.0) > 1e-6 * period
+    assert law.get(["time"]) == [1800.0]
+
+
+@given(
+    st.sampled_from(VERSIONS), st.floats(-1e9, 1e9) | st.sampled_from([0.0, 1.7e9, -3e7, 262144.0]),
+    st.lists(st.integers(1, 5), min_size=1, max_size=20), st.booleans(),
+)  # fmt: skip
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_every_clock_of_a_master_is_taken_at_any_start_time(made, fmi, start, counts, adds):
+    """It adds its step, or multiplies it and takes differences; each step is of one period or of several."""
+    law = Instance(made("--only", ROLE, "--fmi", str(fmi), name="int"), begins=False)
+    law.begin(start)
+    done, time = 0, start
+    for count in counts:
+        done += count
+        after = time + count * PERIOD if adds else start + done * PERIOD
+        law.step_from(time, count * PERIOD if adds else after - time)
+        time = after
+    assert law.get(["time"])[0] == pytest.approx(start + done * PERIOD, rel=0, abs=1e-9)
+    for wrong in (time + PERIOD, time - PERIOD, time + 0.01 * PERIOD):
+        with pytest.raises(fmpy.fmi1.FMICallException):
+            law.step_from(wrong)
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "line"),
+    [
+        (np.nan, None, "start time nan s is refused, expected one that is finite"),
+        (np.inf, None, "start time inf s is refused"),
+        (1e12, None, "start time 1e+12 s is refused, expected one that is finite and resolves a hundredth of 0.01 s"),
+        (5.0, 4.0, "stop time 4 s is refused, expected 5 s, the start time, or later"),
+        (0.0, np.nan, "stop time nan s is refused"),
+    ],
+)
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_times_that_are_none_are_refused(made, fmi, start, stop, line):
+    law = Instance(made("--only", ROLE, "--fmi", str(fmi), name="int"), begins=False)
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        law.set_up(start, stop)
+    assert [line in each for each in law.lines] == [True]
+    law.begin()
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_no_step_goes_beyond_the_stop_time(made, fmi):
+    """A step past a stop time that is defined is an error; the state is that of before, and may go on to it."""
+    law = Instance(made("--only", ROLE, "--fmi", str(fmi), name="int"), begins=False)
+    law.begin(1.0, 1.0 + 3 * PERIOD)
+    law.step_from(1.0, 2 * PERIOD)
+    with pytest.raises(fmpy.fmi1.FMICallException, match="status 3"):
+        law.step_from(1.0 + 2 * PERIOD, 2 * PERIOD)
+    assert law.lines == ["a step to 1.04 s is refused, the stop time is 1.03 s"]
+    law.step_from(1.0 + 2 * PERIOD)
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_the_order_of_calls_is_that_of_fmi(made, fmi):
+    """Initialize, step, terminate; a reset leads back to the begin, and a state that was kept into its step."""
+    law = Instance(made("--only", ROLE, "--fmi", str(fmi), name="int"), begins=False)
+    refused = pytest.raises(fmpy.fmi1.FMICallException, match="status 3")
+    with refused:
+        law.step_from(0.0)
+    with refused:
+        law.calls.terminate()
+    law.set_up(0.0)
+    with refused:
+        law.step_from(0.0)
+    with refused:
+        law.set_up(0.0)
+    law.calls.exitInitializationMode()
+    law.step_from(0.0)
+    kept = law.calls.getFMUState()
+    law.calls.terminate()
+    last = law.get(law.outputs)
+    for late in (lambda: law.step_from(PERIOD), law.calls.terminate, lambda: law.set(law.inputs[:1], [0.5])):
+        with refused:
+            late()
+    assert law.get(law.outputs) == last
+    law.calls.setFMUState(kept)
+    law.step_from(PERIOD)
+    law.calls.freeFMUState(kept)
+    law.calls.reset()
+    with refused:
+        law.step_from(0.0)
+    law.begin(7.0)
+    law.step_from(7.0)
+    assert law.lines[0] == "a step before initialization is refused, expected between steps"
+    assert law.lines[-2] == "setting values after the end is refused"
 
 
 def test_a_description_of_another_fmu_gets_no_instance(made):

@@ -42,7 +42,7 @@ EXPORTED void *fmi2Instantiate(const char *name, int kind, const char *guid, con
     int status = OK;
     if (kind != 1) status = logged(it, ERROR, "model exchange is refused, allowed is co-simulation");
     else if (!guid || strcmp(guid, token)) status = logged(it, ERROR, "the description is that of another FMU");
-    else status = failed(it, {{ name }}_create(&it->state.model));
+    else status = create(it);
     if (status == OK) return it;
     free(it);
     return 0;
@@ -50,20 +50,23 @@ EXPORTED void *fmi2Instantiate(const char *name, int kind, const char *guid, con
 
 EXPORTED void fmi2FreeInstance(unit *it) { free(it); }
 
-EXPORTED int fmi2SetupExperiment(unit *it, int, double, double start, int, double)
+EXPORTED int fmi2SetupExperiment(unit *it, int, double, double start, int has_stop, double stop)
 {
-    return set_start(it, start);
+    return may(it, INSTANTIATED, "fmi2SetupExperiment") ? set_times(it, start, has_stop ? stop : INFINITY) : ERROR;
 }
 
-EXPORTED int fmi2EnterInitializationMode(unit *it) { return begin(it); }
-EXPORTED int fmi2ExitInitializationMode(unit *it) { return begin(it); }
-EXPORTED int fmi2Terminate(unit *) { return OK; }
-
-EXPORTED int fmi2Reset(unit *it)
+EXPORTED int fmi2EnterInitializationMode(unit *it)
 {
-    it->state.start = 0.0;
-    return failed(it, {{ name }}_create(&it->state.model));
+    return may(it, INSTANTIATED, "fmi2EnterInitializationMode") ? begin(it, INITIALIZING) : ERROR;
 }
+
+EXPORTED int fmi2ExitInitializationMode(unit *it)
+{
+    return may(it, INITIALIZING, "fmi2ExitInitializationMode") ? begin(it, STEPPING) : ERROR;
+}
+
+EXPORTED int fmi2Terminate(unit *it) { return end(it, "fmi2Terminate"); }
+EXPORTED int fmi2Reset(unit *it) { return create(it); }
 
 EXPORTED int fmi2GetReal(unit *it, const uint32_t references[], size_t count, double values[])
 {
@@ -101,7 +104,7 @@ EXPORTED int fmi2GetRealStatus(unit *it, int kind, double *value)
 {
     enum { LAST_SUCCESSFUL_TIME = 2 };
     if (kind != LAST_SUCCESSFUL_TIME) return DISCARD;
-    *value = time_of(it);
+    *value = it->state.ended;
     return OK;
 }
 

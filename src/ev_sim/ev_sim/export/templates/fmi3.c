@@ -33,7 +33,7 @@ EXPORTED void *fmi3InstantiateCoSimulation(const char *, const char *given, cons
     it->logger = logger, it->environment = environment;
     int status = OK;
     if (!given || strcmp(given, token)) status = logged(it, ERROR, "the description is that of another FMU");
-    else status = failed(it, {{ name }}_create(&it->state.model));
+    else status = create(it);
     if (status == OK) return it;
     free(it);
     return 0;
@@ -52,22 +52,22 @@ EXPORTED void *fmi3InstantiateScheduledExecution(const char *, const char *, con
 
 EXPORTED void fmi3FreeInstance(unit *it) { free(it); }
 
-EXPORTED int fmi3EnterInitializationMode(unit *it, bool, double, double start, bool, double)
+EXPORTED int fmi3EnterInitializationMode(unit *it, bool, double, double start, bool has_stop, double stop)
 {
-    int status = set_start(it, start);
-    return status == OK ? begin(it) : status;
+    if (!may(it, INSTANTIATED, "fmi3EnterInitializationMode")) return ERROR;
+    int status = set_times(it, start, has_stop ? stop : INFINITY);
+    return status == OK ? begin(it, INITIALIZING) : status;
 }
 
-EXPORTED int fmi3ExitInitializationMode(unit *it) { return begin(it); }
+EXPORTED int fmi3ExitInitializationMode(unit *it)
+{
+    return may(it, INITIALIZING, "fmi3ExitInitializationMode") ? begin(it, STEPPING) : ERROR;
+}
+
 EXPORTED int fmi3EnterConfigurationMode(unit *) { return OK; }
 EXPORTED int fmi3ExitConfigurationMode(unit *) { return OK; }
-EXPORTED int fmi3Terminate(unit *) { return OK; }
-
-EXPORTED int fmi3Reset(unit *it)
-{
-    it->state.start = 0.0;
-    return failed(it, {{ name }}_create(&it->state.model));
-}
+EXPORTED int fmi3Terminate(unit *it) { return end(it, "fmi3Terminate"); }
+EXPORTED int fmi3Reset(unit *it) { return create(it); }
 
 EXPORTED int fmi3GetFloat64(unit *it, references of, size_t count, double values[], size_t size)
 {
@@ -83,7 +83,7 @@ EXPORTED int fmi3DoStep(unit *it, double time, double size, bool, bool *is_event
 {
     int status = step(it, time, size);
     *is_event = *is_end = *is_early = false;
-    *last = time_of(it);
+    *last = it->state.ended;
     return status;
 }
 

@@ -25,9 +25,14 @@ enum {
     REFERENCES = FIRST_PARAMETER + {{ upper }}_PARAMETERS
 };
 
+/* Where it is in the order of calls. */
+enum { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED };
+
 typedef struct {
     {{ name }} model;
-    double start; /* time of its first instant [s] */
+    int32_t mode;
+    double start;       /* time of its first instant [s] */
+    double ended, stop; /* where the last step ended by the clock of the master, and none may end beyond [s] */
 } unit_state;
 
 typedef struct unit unit; /* an instance; each version has its logger in it */
@@ -36,6 +41,9 @@ static int logged(unit *it, int status, const char *line); /* returns the status
 
 static const double period = {{ upper }}_PERIOD_NS / 1e9;
 static const double most_periods = 1e6; /* of one step: more would seem to hang */
+
+/* By how much times may differ that mean the same [s]: a master's sums and differences are rounded. */
+static double tolerance(double time) { return 1e-6 * period + 4.0 * (nextafter(fabs(time), INFINITY) - fabs(time)); }
 
 static double time_of(unit *it) { return state_of(it)->start + {{ name }}_time(&state_of(it)->model); }
 
@@ -85,11 +93,23 @@ static int checked(unit *it, uint32_t reference, double value)
     return logged(it, ERROR, "only inputs and parameters can be set");
 }
 
+/* Whether a call belongs where the order of calls is; if not, a line is logged. */
+static int may(unit *it, int mode, const char *call)
+{
+    static const char *const at[] = {"before initialization", "during initialization", "between steps", "after the end"};
+    char line[300];
+    if (state_of(it)->mode == mode) return 1;
+    snprintf(line, sizeof line, "%s %s is refused, expected %s", call, at[state_of(it)->mode], at[mode]);
+    logged(it, ERROR, line);
+    return 0;
+}
+
 /* All values or none. */
 static int set(unit *it, const uint32_t references[], size_t count, const double values[])
 {
     {{ name }} *model = &state_of(it)->model;
     int status = OK;
+    if (state_of(it)->mode == TERMINATED) return logged(it, ERROR, "setting values after the end is refused");
     for (size_t i = 0; i < count; i++) {
         int of_one = checked(it, references[i], values[i]);
         if (of_one > status) status = of_one;
@@ -101,43 +121,82 @@ static int set(unit *it, const uint32_t references[], size_t count, const double
     return status;
 }
 
-/* Not finite, or so large that time would stand still. */
-static int set_start(unit *it, double start)
+/* The times of an experiment; infinity where no end is defined. */
+static int set_times(unit *it, double start, double stop)
 {
     char line[300];
-    if (start + period > start) return state_of(it)->start = start, OK;
-    snprintf(line, sizeof line, "start time %g s is refused, allowed is one to which %g s can be added", start, period);
-    return logged(it, ERROR, line);
+    if (!(tolerance(start) < 0.01 * period)) { /* not finite, or so large that a step would be rounded away */
+        snprintf(line, sizeof line, "start time %g s is refused, expected one that is finite and resolves a hundredth of %g s",
+                 start, period);
+        return logged(it, ERROR, line);
+    }
+    if (!(stop >= start)) {
+        snprintf(line, sizeof line, "stop time %.9g s is refused, expected %.9g s, the start time, or later", stop, start);
+        return logged(it, ERROR, line);
+    }
+    unit_state *state = state_of(it);
+    state->start = state->ended = start;
+    state->stop = stop;
+    return OK;
+}
+
+/* As it was made. */
+static int create(unit *it)
+{
+    state_of(it)->mode = INSTANTIATED;
+    state_of(it)->start = state_of(it)->ended = 0.0;
+    state_of(it)->stop = INFINITY;
+    return failed(it, {{ name }}_create(&state_of(it)->model));
 }
 
 /* At rest, with the parameters and inputs that were set before: when initialization begins and when it ends. */
-static int begin(unit *it)
+static int begin(unit *it, int mode)
 {
     {{ name }} *model = &state_of(it)->model;
     double inputs[{{ upper }}_INPUTS + 1];
     for (int32_t i = 0; i < {{ upper }}_INPUTS; i++) inputs[i] = {{ name }}_input(model, i);
     int32_t status = {{ name }}_reset(model, {{ upper }}_SEED);
     for (int32_t i = 0; i < {{ upper }}_INPUTS; i++) {{ name }}_set_input(model, i, inputs[i]);
+    state_of(it)->mode = status ? state_of(it)->mode : mode;
     return failed(it, status);
 }
 
-/* One control period or several, during which the inputs are held. */
+/* One control period or several, during which the inputs are held.
+ *
+ * Each step begins where the last one ended by the clock of the master: one that adds its step drifts away from start
+ * + n * period, within hours by more than a tolerance would take.
+ */
 static int step(unit *it, double time, double size)
 {
     char line[300];
+    unit_state *state = state_of(it);
     double periods = floor(size / period + 0.5);
-    if (!(fabs(time - time_of(it)) < 1e-6 * period)) {
-        snprintf(line, sizeof line, "a step from %.9g s is refused, the state is that of %.9g s", time, time_of(it));
+    if (!may(it, STEPPING, "a step")) return ERROR;
+    if (!(fabs(time - state->ended) < tolerance(time))) {
+        snprintf(line, sizeof line, "a step from %.9g s is refused, the last one ended at %.9g s, %.3g s from there", time,
+                 state->ended, time - state->ended);
         return logged(it, DISCARD, line);
     }
-    if (!(periods >= 1.0 && periods <= most_periods && fabs(size - periods * period) < 1e-6 * period)) {
-        snprintf(line, sizeof line, "step size %g s is refused, allowed is %g s or a multiple of it up to %g s", size, period,
+    if (!(periods >= 1.0 && periods <= most_periods && fabs(size - periods * period) < tolerance(time))) {
+        snprintf(line, sizeof line, "step size %g s is refused, expected %g s or a multiple of it up to %g s", size, period,
                  most_periods * period);
         return logged(it, DISCARD, line);
     }
+    if (time + size > state->stop + tolerance(time)) {
+        snprintf(line, sizeof line, "a step to %.9g s is refused, the stop time is %.9g s", time + size, state->stop);
+        return logged(it, ERROR, line);
+    }
     int32_t status = 0;
-    for (; periods >= 1.0 && !status; periods -= 1.0) status = {{ name }}_step(&state_of(it)->model);
+    for (; periods >= 1.0 && !status; periods -= 1.0) status = {{ name }}_step(&state->model);
+    state->ended = status ? time_of(it) : time + size;
     return failed(it, status);
+}
+
+static int end(unit *it, const char *call)
+{
+    if (!may(it, STEPPING, call)) return ERROR;
+    state_of(it)->mode = TERMINATED;
+    return OK;
 }
 
 static int keep(unit *it, void **kept)
@@ -151,9 +210,8 @@ static int restore(unit *it, const void *kept)
 {
     const unit_state *from = kept;
     if (!from) return logged(it, ERROR, "there is no state");
-    int32_t status = {{ name }}_restore(&state_of(it)->model, &from->model);
-    if (status) return logged(it, ERROR, {{ name }}_message(status));
-    state_of(it)->start = from->start;
+    if (from->model.id != {{ upper }}_ID) return logged(it, ERROR, {{ name }}_message({{ upper }}_OTHER_STATE));
+    *state_of(it) = *from;
     return OK;
 }
 
