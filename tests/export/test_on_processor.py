@@ -12,6 +12,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.ev_stack import perform
 from ev_sim.export import on_processor, program
 from ev_sim.export.on_processor import with_processors
+from ev_sim.export.targets import TARGETS
 from ev_sim.interface.driving import only_run, overrides
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import signal_hash
@@ -40,8 +41,9 @@ def hash_of(driven) -> str:
 
 @pytest.mark.parametrize("processor", EMULATORS)
 def test_the_signals_are_those_of_the_plain_run(processor):
-    if not shutil.which(EMULATORS[processor]):
-        pytest.skip(f"{EMULATORS[processor]} is not installed")
+    for needed in (EMULATORS[processor], TARGETS[on_processor.EMULATED[processor]].compiler):
+        if not shutil.which(needed):
+            pytest.skip(f"{needed} is not installed")
     plain = run("noisy driver.command.drive_torque 5.0")
     moved, (driver,) = with_processors(plain, {"driver": processor})
     assert hash_of(moved) == hash_of(plain)

@@ -155,7 +155,7 @@ def _parts(configuration: Configuration, required: Collection[str], bare: bool) 
 
 
 def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
-    """The numbers among the parameters that nothing else is made of before the first step, and no rule ties to others."""
+    """The numbers among the parameters of which nothing is made before the first step, tied to others by no rule."""
     law, used = law_of(configuration.method), set[str]()
     parameters, common = _watched(configuration.given, used), configuration.common
     if law.prepare:
