@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from batches.batches import DURATION, RUNS, alone, lane_change, vary
 
-from ev_core.lockstep.parts import method_part
+from ev_core.lockstep.parts import compiled_part, method_part
 from ev_sim.batches.batch import batch
 from ev_sim.batches.observer import largest_magnitude, last, maximum, mean, minimum, root_mean_square
 from ev_sim.batches.whole_runs import Ending
@@ -115,11 +115,11 @@ def test_only_what_differs_is_prepared_anew(monkeypatch):
     """Seeds concern sensors only; a parameter of the plant only the plant."""
     made = []
 
-    def counted(configuration, compiled, like=None):
+    def counted(configuration, like=None):
         made.append(configuration.role)
-        return method_part(configuration, compiled, like)
+        return compiled_part(configuration, like)
 
-    monkeypatch.setattr("ev_sim.batches.batch.method_part", counted)
+    monkeypatch.setattr("ev_sim.batches.batch.compiled_part", counted)
     batch(lane_change(), 0.1, {"*.seed": range(20)})
     assert sorted(made) == sorted(lane_change())
     made.clear()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -78,7 +79,7 @@ MISTAKES = {
     ),
     "a list of the module": (f"counter[0] += 1; {first_wheel('fl * counter[0]')}", "counter is a list, allowed are"),
     "an object": (first_wheel("fl * k.x"), "x is not known here"),
-    "a text": (f'print(f"{{fl:.2f}}"); {first_wheel("fl")}', "a text is made, allowed are numbers"),
+    "a text": (first_wheel('len(f"{fl:.2f}")'), "a text is made, allowed are numbers"),
     "too few arguments": (first_wheel("max()"), "max expected at least 1 argument, got 0"),
     "no answer": ("s.x = fl", "it returns NoneType, allowed is WheelTorqueCommand"),
     "another answer": ("return fl", "it returns float, allowed is WheelTorqueCommand"),
@@ -167,20 +168,26 @@ def test_a_mistake_is_one_line(tmp_path: Path, name: str):
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize(
-    "text",
+    ("text", "said"),
     [
-        f"assert fl < 0.0; {first_wheel('fl')}",
-        f"x = 1.0 if fl > 1e9 else None; {first_wheel('x')}",
-        f"if fl >= 0.0: raise ValueError; {first_wheel('fl')}",
+        (
+            f"assert fl < 0.0, 'it drives'; {first_wheel('fl')}",
+            f"line {LINES + 1}: asr law mine: AssertionError: it drives",
+        ),
+        (f"x = 1.0 if fl > 1e9 else None; {first_wheel('x')}", f"line {LINES - 4}: asr law mine: TypeError"),
+        (
+            f"if fl >= 0.0: raise ValueError(fl)\n    {first_wheel('fl')}",
+            f"line {LINES + 1}: asr law mine: ValueError: 0.0",
+        ),
     ],
 )
-def test_what_a_compiled_law_raises_ends_the_run(tmp_path: Path, text: str):
-    """Nobody can catch it in compiled code, which went on with zeros once, and status 0."""
-    text = text.replace("ValueError; ", "ValueError\n    ")
-    with pytest.raises(SignalError, match=r"asr: WheelTorqueCommand\.drive\.front_left is nan"):
-        ev_sim.run("shchur2019", method={"asr": str(law_file(tmp_path, text))}, duration=0.1)
+def test_what_a_compiled_law_raises_ends_the_run_with_its_line(tmp_path: Path, text: str, said: str):
+    """Plain Python takes the step again, and has the line."""
+    file = law_file(tmp_path, text)
+    with pytest.raises(SignalError, match=re.escape(f"at 0 s: asr: {file}, {said}")) as raised:
+        ev_sim.run("shchur2019", method={"asr": str(file)}, duration=0.1)
+    assert "\n" not in str(raised.value)
 
 
 def test_the_command_line_shows_the_rest_on_demand(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

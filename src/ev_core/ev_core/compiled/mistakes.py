@@ -9,15 +9,19 @@ from __future__ import annotations
 import ast
 import inspect
 import re
+import sys
 import textwrap
 import traceback
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, redirect_stdout
 from difflib import get_close_matches
+from io import StringIO
 from pathlib import Path
 from types import FunctionType, SimpleNamespace
 from typing import Any
 
 from ev_core.compiled.part_source import law_of
+from ev_core.compiling.machine_code import TakesInterpreter
 from ev_core.methods.law import GIVEN, Law, LawObject
 from ev_core.methods.register import Method
 from ev_core.parameters.record import entries_without_number
@@ -31,6 +35,9 @@ _PLACE = re.compile(r'File "(?P<file>[^"<]+)", line (?P<line>\d+)|Raised from (?
 _CALLED = re.compile(r"resolving callee type: Function\(<(?:built-in function|function|ufunc|class) '?([\w.]+)")
 _CAUSE = re.compile(r"(?:Failed in nopython mode pipeline.*\n\s*|raised a specific error:\n\s*\w+: (?!Failed))(\S.*)")
 _OTHERS = "site-packages"  # of a path: no text of ours or of the user
+# What an author puts in to look at a law; the compiler knows print, but its code cannot be called without Python.
+_DEBUGGING = ("print", "breakpoint", "input")
+_IN_PYTHON = "needs Python, which runs it, slower and with the same numbers"
 # Texts of the compiler, and their meaning for the author of a law; \1 is what stands in the first bracket.
 _MEANINGS = (
     (
@@ -58,17 +65,32 @@ def mistake(method: Method, parameters: Any, vehicle: Any, period: float, error:
     """One line about a law for which the compiler has raised an error."""
     law = law_of(method)
     found = _in_python(method, LawObject(law, parameters, vehicle, period))
-    return _line(method, *(found or _of_compiler(law, error)))
+    return line_about(method, *(found or _of_compiler(law, error)))
 
 
 def wrong_answer(method: Method, parameters: Any, vehicle: Any, period: float) -> str:
     """One line about a law whose first step, in plain Python, gives something else than its role writes; else empty."""
     law = law_of(method)
     try:
-        found = None if law.heavy else _of_answer(method, LawObject(law, parameters, vehicle, period))
+        with _unseen():
+            found = None if law.heavy else _of_answer(method, LawObject(law, parameters, vehicle, period))
     except Exception:  # a step with inputs out of nowhere: what it raises need not be a mistake
         return ""
-    return _line(method, *found) if found else ""
+    return line_about(method, *found) if found else ""
+
+
+def needs_python(method: Method, functions: Iterable[FunctionType], error: BaseException) -> str:
+    """One line about a law that cannot be compiled because it prints or the like; empty if that is not why."""
+    takes = isinstance(error, TakesInterpreter)
+    at = None if takes else _of_compiler(law_of(method), error)[:2]
+    for function in functions:
+        file, begin = beginning(function)
+        for node in ast.walk(_tree(function)):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _DEBUGGING:
+                lines = range(begin + node.lineno - 1, begin + (node.end_lineno or 0))
+                if takes or at in [(file, line) for line in lines]:
+                    return line_about(method, file, lines[0], f"{node.func.id} {_IN_PYTHON}")
+    return line_about(method, *beginning(law_of(method).function), f"it {_IN_PYTHON}") if takes else ""
 
 
 def wrong_text(method: Method, functions: Iterable[FunctionType]) -> str:
@@ -78,12 +100,13 @@ def wrong_text(method: Method, functions: Iterable[FunctionType]) -> str:
     for function in filter(marked.__contains__, functions):
         own = function in (law.function, law.outputs)
         for node, what in _wrong(function, tuple(inspect.signature(function).parameters) if own else ()):
-            file, line = _beginning(function)
-            return _line(method, file, line + node.lineno - 1, what)
+            file, line = beginning(function)
+            return line_about(method, file, line + node.lineno - 1, what)
     return ""
 
 
-def _line(method: Method, file: str, line: int, what: str) -> str:
+def line_about(method: Method, file: str, line: int, what: str) -> str:
+    """One line about a law."""
     return f"{file}, line {line}: {method.role} law {law_of(method).function.__name__}: {what} (docs/compiled_laws.md)"
 
 
@@ -135,17 +158,37 @@ def _assigned(function: Callable[..., Any]) -> Iterator[tuple[ast.expr, str]]:
 def _tree(function: Callable[..., Any]) -> ast.AST:
     """The text of a function; that of an empty module where it cannot be had, as that of a lambda."""
     try:
-        return ast.parse(textwrap.dedent(inspect.getsource(function)) if function.__name__ != "<lambda>" else "")
-    except (OSError, SyntaxError):
+        return parsed(textwrap.dedent(inspect.getsource(function)) if function.__name__ != "<lambda>" else "")
+    except OSError:
         return ast.Module([], [])
+
+
+def parsed(text: str) -> ast.AST:
+    """A text; that of an empty module where it is no Python, as part of one may be."""
+    try:
+        return ast.parse(text)
+    except SyntaxError:
+        return ast.Module([], [])
+
+
+@contextmanager
+def _unseen() -> Iterator[None]:
+    """In the block a law prints nothing, and stands at no breakpoint: it is not a step of a run."""
+    hook, sys.breakpointhook = sys.breakpointhook, lambda *_, **__: None
+    try:
+        with redirect_stdout(StringIO()):
+            yield
+    finally:
+        sys.breakpointhook = hook
 
 
 def _in_python(method: Method, made: LawObject) -> tuple[str, int, str] | None:
     """What plain Python finds wrong with one step; None if it finds nothing."""
     try:
-        return _of_answer(method, made)
+        with _unseen():
+            return _of_answer(method, made)
     except Exception as error:  # whatever the law raises
-        frames = [each for each in traceback.extract_tb(error.__traceback__) if _is_theirs(each.filename)]
+        frames = [each for each in traceback.extract_tb(error.__traceback__) if is_theirs(each.filename)]
         at = frames[-1] if frames else None
         return (at.filename, at.lineno or 0, _in_words(error)) if at and at.filename != __file__ else None
 
@@ -159,13 +202,13 @@ def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
     ]
     given = made.step(*signals)
     for name, value in entries_without_number(made.given["s"]):
-        file, begin = _beginning(law.function)
+        file, begin = beginning(law.function)
         line = next((node.lineno for node, text in _assigned(law.function) if text == f"s.{name}"), 1)
         return file, begin + line - 1, f"s.{name} becomes {type(value).__name__}, allowed is a number"
     if ROLES[method.role].kind is RoleKind.INTEGRATES:
         given = made.outputs()
     wrote = given if isinstance(given, tuple) and not hasattr(given, "_fields") else (given,)
-    at = _beginning(law.outputs or law.function)
+    at = beginning(law.outputs or law.function)
     if [type(each) for each in wrote] != [*method.writes]:
         names = [" and ".join(each.__name__ for each in kinds) for kinds in (map(type, wrote), method.writes)]
         return *at, f"it returns {names[0]}, allowed is {names[1]}"
@@ -189,7 +232,7 @@ def _in_words(error: Exception) -> str:
 def _of_compiler(law: Law, error: BaseException) -> tuple[str, int, str]:
     """What the compiler found, at the last line of no library that it names."""
     text = str(error)
-    places = [found for found in _PLACE.finditer(text) if _is_theirs(found["file"] or found["path"])]
+    places = [found for found in _PLACE.finditer(text) if is_theirs(found["file"] or found["path"])]
     for pattern, meaning in _MEANINGS:
         if found := re.search(pattern, text):
             what = found.expand(meaning)
@@ -199,16 +242,17 @@ def _of_compiler(law: Law, error: BaseException) -> tuple[str, int, str]:
         causes = _CAUSE.findall(text) or [line for line in text.splitlines() if line.strip()] or [type(error).__name__]
         what = f"{called[-1]} is not compiled for what it is given here" if called else causes[-1]
     if not places:
-        return *_beginning(law.function), what
+        return *beginning(law.function), what
     place = places[-1]
     return str(Path(place["file"] or place["path"]).resolve()), int(place["line"] or place["at"]), what
 
 
-def _is_theirs(file: str) -> bool:
+def is_theirs(file: str) -> bool:
+    """Whether a file has a text of ours or of the user."""
     return _OTHERS not in file and not file.startswith(("<", "numba/"))
 
 
-def _beginning(function: Any) -> tuple[str, int]:
+def beginning(function: Any) -> tuple[str, int]:
     """File and line in which the text of a function begins."""
     code = inspect.unwrap(function).__code__
     return code.co_filename, code.co_firstlineno

@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import numpy as np
 
-from ev_core.compiled.part_source import constants_row, law_of, part_source
+from ev_core.compiled.interruptible import interruptible
+from ev_core.compiled.part_source import constants_row, is_checked, law_of, part_source
 from ev_core.compiling.fingerprint import Reach
 from ev_core.compiling.machine_code import FUNCTION, Code, function_address, key_of
 from ev_core.faults import row
 from ev_core.faults.row import FaultRow
 from ev_core.methods.law import Given
-from ev_core.methods.register import Method
+from ev_core.methods.part import PythonPart
+from ev_core.methods.register import Method, create
 from ev_core.parameters.record import fill, numbers
 from ev_core.sensors import measuring
 from ev_core.sensors.row import SensorRow
 from ev_msgs_py.contract import frame
-from ev_msgs_py.contract.fields import shape_of
+from ev_msgs_py.contract.fields import SignalError, shape_of
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.refusal import ParameterError
 
@@ -37,13 +40,19 @@ def code_key(method: Method, parameters: Any, vehicle: Any, period: float) -> st
     return key_of(*code_of(method, Given(law_of(method), parameters, vehicle, period)))
 
 
+class NeedsPython(ParameterError):
+    """A law does what only plain Python can do, such as to print."""
+
+
 @contextmanager
 def in_one_line(method: Method, parameters: Any, vehicle: Any, period: float) -> Iterator[Callable[[Reach], None]]:
     """In the block a law that cannot be compiled is one line, ParameterError; what is given looks at its text."""
+    reached: list[FunctionType] = []
 
     def look_at(reach: Reach) -> None:
         from ev_core.compiled import mistakes
 
+        reached.extend(reach.functions.values())
         found = mistakes.wrong_text(method, reach.functions.values())
         if found := found or mistakes.wrong_answer(method, parameters, vehicle, period):
             raise ParameterError(found)
@@ -53,8 +62,10 @@ def in_one_line(method: Method, parameters: Any, vehicle: Any, period: float) ->
     except (ParameterError, OSError, MemoryError):
         raise
     except Exception as error:  # of many kinds: whatever the compiler stumbles over
-        from ev_core.compiled.mistakes import mistake
+        from ev_core.compiled.mistakes import mistake, needs_python
 
+        if text := needs_python(method, reached, error):
+            raise NeedsPython(text) from error
         raise ParameterError(mistake(method, parameters, vehicle, period, error)) from error
 
 
@@ -73,14 +84,14 @@ class CompiledPart:
     One `like` another, with other numbers, has its function, which is not looked for again.
     """
 
-    error: BaseException | None = None
     function: int
+    is_checked: bool  # whether it is no law of ours, so that it may fail, or never end
 
     def __init__(
         self, method: Method, parameters: Any, vehicle: Any, period: float, like: CompiledPart | None = None
     ) -> None:
         self.given = Given(law_of(method), parameters, vehicle, period)
-
+        self._made_of = (method, parameters, vehicle, period)
         with in_one_line(method, parameters, vehicle, period) as look_at:
             self._code = code_of(method, self.given)
             if like is not None and like._code.names is self._code.names:
@@ -94,6 +105,7 @@ class CompiledPart:
         self._writes = [(shape_of(signal), frame.PLACES[signal]) for signal in method.writes]
         self._begin, self._end = frame.span(method.writes)
         self._call = FUNCTION(self.function)
+        self.is_checked = is_checked(method)
         self._memory = (self._state.ctypes.data, self.constants.ctypes.data)
 
     @property
@@ -107,13 +119,46 @@ class CompiledPart:
 
     def start(self, there: Frame) -> None:
         """Write the initial outputs."""
-        self._call(None, there.address, *self._memory)
+        if self._fails(None, there):
+            raise self.raised(None)
         self.refuse_not_finite(there)
 
     def step(self, here: Frame, there: Frame) -> None:
         """One compiled step."""
-        self._call(here.address, there.address, *self._memory)
+        if self._fails(here, there):
+            raise self.raised(here.numbers)
         self.refuse_not_finite(there)
+
+    def _fails(self, here: Frame | None, there: Frame) -> bool:
+        def call() -> int:
+            status: int = self._call(here and here.address, there.address, *self._memory)
+            return status
+
+        return (interruptible(call) if self.is_checked else call()) != 0
+
+    def raised(self, numbers: Sequence[float] | None, state: np.ndarray | None = None) -> SignalError:
+        """What the step raises that has just failed: plain Python takes it again, from the same state.
+
+        `numbers` are those of the frame that it read, None at the start; the state is that of the part, or the one
+        that it was stepped with.
+        """
+        from ev_core.compiled.raised import raised, raised_in_compiled_code_alone
+
+        method = self._made_of[0]
+        plain = PythonPart(method, create(*self._made_of))
+        try:
+            if numbers is None:
+                plain.start(Frame())
+            else:
+                here = Frame()
+                here.numbers[: len(numbers)] = frame.numbers_of(numbers)
+                plain.state = (self._state if state is None else state)[: len(plain.state)].tolist()
+                plain.step(here, Frame())
+        except Exception as error:  # whatever a law raises
+            made = SignalError(raised(method, error))
+            made.__cause__ = error  # which --traceback shows
+            return made
+        return SignalError(raised_in_compiled_code_alone(method))
 
     def refuse_not_finite(self, there: Frame) -> None:
         """SignalError if a number that it wrote is not finite."""

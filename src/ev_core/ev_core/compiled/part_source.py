@@ -3,8 +3,11 @@
     int step(double *now, double *next, double *state, double *constants)
 
 A role that answers reads and writes `now`. One that integrates advances its state by what it reads in `now` and writes
-`next`; with `now` a null pointer it only writes what its state shows. The result is 0, also where the law has raised an
-exception, which nobody could catch: so what it writes begins as NaN, which no frame may hold, and stays so then.
+`next`; with `now` a null pointer it only writes what its state shows. What it writes begins as NaN, which no frame may
+hold, and stays so where the law raises an exception.
+
+A law that is not ours is compiled with all that it calls so that an index out of range raises an exception, which costs
+it time. Then the result is 1, and the state is that before the step: it works on a copy.
 
 `constants` is what an object is given once, as one row of numbers: parameters, car, prepared constants.
 
@@ -26,7 +29,7 @@ import numpy as np
 
 from ev_core.methods.law import Given, Law, given_names
 from ev_core.methods.register import Method
-from ev_core.parameters.record import numbers, record_type, shape_of_record
+from ev_core.parameters.record import numbers, record_type, shape_of_record, working_memory
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import shape_of
@@ -124,7 +127,7 @@ from numba import carray, cfunc, types
 P = types.voidptr
 
 
-@cfunc(types.int32(P, P, P, P), error_model="numpy")
+@cfunc(types.int32(P, P, P, P), error_model="numpy"{checks})
 def step(now, next, state, constants):
     k = carray(constants, 1, CONSTANTS)[0]
     row = carray(constants, int(k.total), FLOAT)
@@ -132,8 +135,14 @@ def step(now, next, state, constants):
 {given}
     there = carray(next, {size}, FLOAT)
 {body}
-    return 0
 '''
+_OURS = ("ev_core", "ev_control", "ev_sim", "ev_papers")  # packages: the suite compiles them once with the checks
+_COPIED = 8192  # numbers of a state that the stack has room for
+
+
+def is_checked(method: Method) -> bool:
+    """Whether indices of a law are checked: it is not one of ours."""
+    return method.package not in _OURS
 
 
 def law_of(method: Method) -> Law:
@@ -169,9 +178,14 @@ def _part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     names.update(unpacking.names)
     lines = [f"{name} = k.{name}" for name, tree in given.trees.items() if tree]
     lines.append(f"c = {unpacking.text}")
-    state = record_type(given.values["s"])
-    if state.itemsize:
-        names["STATE"] = state
+    names["STATE"] = state = record_type(given.values["s"])
+    size, checked = state.itemsize // 8, is_checked(method)
+    is_copied = checked and 0 < size <= _COPIED
+    if is_copied:
+        names["working_memory"] = working_memory
+        lines += [f"kept, memory = carray(state, {size}, FLOAT), working_memory(STATE)"]
+        lines += ["numbers, s = memory.view(FLOAT), memory[0]", "numbers[:] = kept"]
+    elif size:
         lines.append("s = carray(state, 1, STATE)[0]")
     reading = [f"here = carray(now, {frame.SIZE}, FLOAT)"]
     arguments = list(given_names(law.function))
@@ -189,10 +203,17 @@ def _part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     else:
         body = [*reading, *_writing(method.writes, call)]
     names["NAN"] = math.nan
+    if checked:
+        done = ["kept[:] = numbers"] if is_copied else []
+        body = ["status = 1", "try:", *_indented([*body, *done, "status = 0"]), "except Exception:", "    pass"]
     body = [f"there[{frame.PLACES[signal].start}] = NAN" for signal in method.writes] + body
-    title = f"{method.role} {method.name}"
+    body.append("return status" if checked else "return 0")
     text = _TEXT.format(
-        title=title, given="\n".join(_indented(lines)), size=frame.SIZE, body="\n".join(_indented(body))
+        title=f"{method.role} {method.name}",
+        checks=", boundscheck=True" if checked else "",
+        given="\n".join(_indented(lines)),
+        size=frame.SIZE,
+        body="\n".join(_indented(body)),
     )
     return text, names
 

@@ -1,28 +1,24 @@
-"""All that touches the inside of numba: each touch stands beside the plain public way, and can be switched off.
+"""What touches the inside of numba: each touch stands beside the plain public way, and can be switched off.
 
 A touch makes compiled code faster to make, to load or to run; without it the same text gives the same bits.
 EV_STACK_PLAIN_NUMBA names touches that shall not be used, separated by commas, or is `all`. A touch is not used either
 where the installed numba lacks its private names: one line says so (docs/compiled_laws.md, tools/newest_numba.py).
+Those of code on disk, `overloads` and `object_code`, are in `inside_numba_code`.
 
 numba is imported where it is used: loading it takes longer than a node takes to start.
 """
 
 from __future__ import annotations
 
-import builtins
-import importlib.util
 import os
-import pickle
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from functools import cache
-from importlib.machinery import PathFinder
-from pathlib import Path
+from importlib import import_module
 from pkgutil import resolve_name
 from typing import Any
 
-from ev_core.compiling.object_symbols import calls
 from ev_core.parameters.record import working_memory
 from ev_msgs_py.compilable import INLINED
 from ev_msgs_py.refusal import ParameterError, quoted
@@ -39,6 +35,7 @@ TOUCHES = {
     "core.serialize:dumps core.codegen:CodeLibrary.has_dynamic_globals core.dispatcher:Dispatcher.compile",
     "object_code": "core.codegen:CodeLibrary._get_compiled_object core.codegen:CodeLibrary.has_dynamic_globals",
     "options": "",
+    "checks": "core.cpu:CPUTargetOptions.finalize core.targetconfig:ConfigStack.top_or_none",
 }
 
 
@@ -159,6 +156,30 @@ def make_memory_known() -> None:
         return array._getvalue()
 
 
+# checks: what a function with `boundscheck` calls checks its indices as well. Plain: every function does, more slowly.
+
+
+@cache
+def make_checks_reach_callees() -> None:
+    """Let functions that are compiled for a caller check their indices where the caller does."""
+    if not is_used("checks"):
+        config: Any = import_module("numba").config
+        config.BOUNDSCHECK = 1
+        return
+    from numba.core.targetconfig import ConfigStack
+
+    options_of_cpu: Any = import_module("numba.core.cpu").CPUTargetOptions
+    finalize = options_of_cpu.finalize
+
+    def inheriting(self: Any, flags: Any, options: Any) -> None:
+        caller: Any = ConfigStack.top_or_none()
+        if caller is not None and caller.boundscheck:
+            flags.boundscheck = True
+        finalize(self, flags, options)
+
+    options_of_cpu.finalize = inheriting
+
+
 # edits: numba forgets what it has made of functions that have changed since. Plain: a new process is asked for.
 
 
@@ -173,113 +194,6 @@ def forget_made_of(functions: Sequence[Callable[..., Any]]) -> None:
     for known in functions:
         for template in typing.resolve_value_type(known).templates:
             template._impl_cache.clear()
-
-
-# overloads: what numba makes of functions that Python calls is kept in files of ours. Plain: each process makes it.
-
-
-def keep_overloads(
-    function: Any,
-    ready: Callable[[], None],
-    alone: Callable[[], AbstractContextManager[None]],
-    read: Callable[[str], bytes | None],
-    write: Callable[[str, bytes], None],
-) -> None:
-    """Let numba, once `ready`, `read` what it has made of a function for types, given as a text, and `write` it.
-
-    It does so within `alone`, so that of several processes one compiles; addresses of this process are not written.
-    """
-    if not is_used("overloads"):
-        return
-    from numba.core.caching import NullCache
-    from numba.core.compiler import CompileResult
-    from numba.core.serialize import dumps
-
-    class Kept(NullCache):
-        def load_overload(self, signature: Sequence[Any], target: Any) -> Any:
-            ready()
-            target.refresh()
-            kept = read(repr(_with_names(signature)))
-            return None if kept is None else CompileResult._rebuild(target, *pickle.loads(kept))
-
-        def save_overload(self, signature: Sequence[Any], made: Any) -> None:
-            if not made.library.has_dynamic_globals:
-                write(repr(_with_names(signature)), dumps(made._reduce()))
-
-    def compiled(signature: Any) -> Any:
-        with alone():
-            return type(function).compile(function, signature)
-
-    function._cache, function.compile = Kept(), compiled
-
-
-def _with_names(kinds: Sequence[Any]) -> list[Any]:
-    """Types with the names of what they hold, which numba does not show of a named tuple."""
-    return [(kind, getattr(kind, "fields", ()), _with_names(getattr(kind, "types", ()))) for kind in kinds]
-
-
-# object_code: machine code is taken out of numba, and loaded without it by llvmlite. Plain: each process compiles.
-
-# Modules of numba with what compiled code may call, and how their functions are named there.
-_HELPERS = {"numba._helperlib": "numba_", "numba.core.runtime._nrt_python": "NRT_"}
-
-_engines: list[Any] = []  # what they have loaded lasts as long as they do
-
-
-def object_code(function: Any) -> tuple[str, bytes] | None:
-    """The name of a C function (`cfunc`) and its object file; None if that holds addresses of this process."""
-    if not is_used("object_code") or function._library.has_dynamic_globals:
-        return None
-    return function.native_name, function._library._get_compiled_object()
-
-
-def loaded(symbol: str, code: bytes) -> int:
-    """The address of a function of an object file; 0 if its code calls what is not there."""
-    if "object_code" in switched_off():
-        return 0
-    from llvmlite import binding
-
-    binding.initialize_native_target()
-    binding.initialize_native_asmprinter()
-    machine = binding.Target.from_default_triple().create_target_machine()
-    try:
-        _name_helpers(binding)  # before an engine makes other things known by the names of exceptions
-    except (ImportError, AttributeError):  # of another numba
-        return 0
-    engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
-    found = binding.ObjectFileRef.from_data(code)
-    called = calls(code)
-    if any(name.startswith("NRT_") and "alloc" in name for name in called):
-        from numba.core.registry import cpu_target
-        from numba.core.runtime.nrt import rtsys
-
-        rtsys.initialize(cpu_target.target_context)  # the heap of numba, for which such code has to wait
-    if not all(map(binding.address_of_symbol, called)):
-        return 0
-    engine.add_object_file(found)
-    engine.finalize_object()
-    _engines.append(engine)
-    address: int = engine.get_function_address(symbol)
-    return address
-
-
-def _name_helpers(binding: Any) -> None:
-    """Tell what code may call besides the C library, as numba itself does when it has compiled something."""
-    package: Any = importlib.util.find_spec("numba")
-    numba = Path(package.submodule_search_locations[0])
-    helpers = {f"PyExc_{name}": id(value) for name, value in vars(builtins).items() if isinstance(value, type)}
-    for place, prefix in _HELPERS.items():
-        folder, _, name = place.rpartition(".")
-        module: Any = sys.modules.get(place)
-        if module is None:
-            spec: Any = PathFinder.find_spec(name, [str(numba.joinpath(*folder.split(".")[1:]))])
-            module = importlib.util.module_from_spec(spec)
-            spec.loader.exec_module(module)
-        for helper, address in module.c_helpers.items():
-            helpers[helper[1:] if helper.startswith("_") else prefix + helper] = address
-    for name, address in helpers.items():
-        if not binding.address_of_symbol(name):
-            binding.add_symbol(name, address)
 
 
 # options: what numba knows of what it has made, and no text shows. Plain: it is another one in each process, so that

@@ -19,19 +19,24 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from ev_core.compiling import inside_numba
+from ev_core.compiling import inside_numba, inside_numba_code
 from ev_core.compiling.fingerprint import Reach
 from ev_core.compiling.user_cache import alone, cache_folder, read_checked, write_checked
 from ev_msgs_py.compilable import FUNCTIONS, INLINED
 
+
+class TakesInterpreter(Exception):
+    """Compiled code takes Python's interpreter at run time: called by its address it has none of what that needs."""
+
+
 FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 4)
 
 # Settings of the compiler that change what it makes.
-_SETTINGS = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_OPT", inside_numba.VARIABLE)
+_SETTINGS = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_OPT", "NUMBA_BOUNDSCHECK", inside_numba.VARIABLE)
 _KEPT_TEXTS = 8  # of one name: those of other checkouts, of branches and of tests come back
 _MAKERS = ("numba", "llvmlite", "numpy")
 # Modules that give the compiler what no text shows: its options, and its treatment of our functions.
-_TELLING = ("inside_numba", "machine_code")
+_TELLING = ("inside_numba", "inside_numba_code", "machine_code")
 _DIGITS = 12
 _CODE = "code"
 
@@ -44,6 +49,7 @@ _reached = Reach()
 _functions: dict[str, Any] = {}
 _reaches: dict[Any, Reach] = {}
 _addresses: dict[str, int] = {}
+_taking: set[str] = set()  # keys of what takes the interpreter
 _is_announced = True  # that something is compiled, in a line for each
 
 
@@ -64,6 +70,9 @@ def function_address(
     Before it is compiled, `look_at` may refuse what the text reaches. A process waits while another one compiles it.
     """
     key = key_of(name, text, names)
+    if key in _taking:
+        look_at(reach_of(text, names))
+        raise TakesInterpreter
     if key not in _addresses:
         address = _loaded(key)
         if not address:
@@ -76,7 +85,7 @@ def function_address(
 
 def _loaded(key: str) -> int:
     kept = kept_code(key)
-    return inside_numba.loaded(*kept) if kept else 0
+    return inside_numba_code.loaded(*kept) if kept else 0
 
 
 def reach_of(text: str, names: dict[str, Any]) -> Reach:
@@ -186,6 +195,7 @@ def _make_known() -> None:
         )
     )
     inside_numba.make_memory_known()
+    inside_numba.make_checks_reach_callees()
 
 
 def register_functions() -> None:
@@ -223,19 +233,23 @@ def _keep(function: Any, key: str, reach: Reach) -> None:
             write_checked(file(kinds), made)
             forget_older(key)
 
-    inside_numba.keep_overloads(function, register_functions, lambda: alone(key), read, write)
+    inside_numba_code.keep_overloads(function, register_functions, lambda: alone(key), read, write)
 
 
 def compiled_address(key: str, text: str, names: dict[str, Any]) -> int:
     """The address of the C function `step` of a text, compiled now and kept for who loads it without the compiler.
 
-    Code that holds addresses of this process is not kept: another one would jump to where nothing is.
+    Code that holds addresses of this process is not kept: another one would jump to where nothing is. TakesInterpreter
+    if it cannot be called like this.
     """
     _say_compiling(key)
     with inside_numba.only_machine_code_of("step"):
         register_functions()
         step = executed(key, text, names)
-    if made := inside_numba.object_code(step):
+    if inside_numba_code.takes_interpreter(step):
+        _taking.add(key)
+        raise TakesInterpreter
+    if made := inside_numba_code.object_code(step):
         keep(key, *made)
     address: int = step.address
     return address

@@ -169,7 +169,7 @@ def is_compiled(configuration: Configuration, may_wait: bool = True) -> bool:
     if not can_be_kept():
         return False
     with suppress(ParameterError):  # plain Python reports what is wrong with it, when it gets there
-        method_part(configuration, compiled=True)
+        method_part(configuration, compiled=True)  # in plain Python, with a note, a law that prints
         return True
     return False
 
@@ -193,14 +193,27 @@ def row_parts(configuration: Configuration) -> list[Any]:
 
 def method_part(configuration: Configuration, compiled: bool, like: Any = None) -> Any:
     """The part of the method alone, without sensors; a compiled one may be `like` that of the same method."""
-    method, common = configuration.method, configuration.common
+    method = configuration.method
     law = method.law
     if law is None or not law.is_compilable or not (compiled or law.heavy):
         kind = getattr(method.factory, "part", PythonPart)
         return kind(method, configuration.create())
+    from ev_core.compiled.part import NeedsPython
+
+    try:
+        return compiled_part(configuration, like)
+    except NeedsPython as error:
+        if law.heavy:
+            raise
+        return PythonPart(method, configuration.create(), str(error))
+
+
+def compiled_part(configuration: Configuration, like: Any = None) -> Any:
+    """The same, compiled in any case."""
     from ev_core.compiled.part import CompiledPart
 
-    return CompiledPart(method, configuration.given, common.vehicle, common.control_period, like)
+    common = configuration.common
+    return CompiledPart(configuration.method, configuration.given, common.vehicle, common.control_period, like)
 
 
 def hand_over(before: Part, after: Part) -> None:

@@ -5,11 +5,12 @@ The stack holds a piece of the run, which stays in the processor's cache; its ou
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from ev_core.compiled.interruptible import interruptible
 from ev_core.compiled.loop import FINISHED, NOT_FINITE, run_instants
 from ev_core.compiling.machine_code import call as call_at
 from ev_core.lockstep.configuration import Configuration
@@ -17,6 +18,7 @@ from ev_core.lockstep.graph import check_graph, step_order
 from ev_core.lockstep.parts import compiled_parts, method_part
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import SignalError, shape_of
+from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 
 _PIECE = 100  # instants between two looks at progress
@@ -39,8 +41,20 @@ def refuse_not_finite(numbers: np.ndarray, signals: Iterable[type]) -> None:
 def call(part: Any, now: int, there: np.ndarray) -> None:
     """Let a part write into the frame `there`, by that at the address `now`, its start by 0; raises what it raises."""
     function, state, constants = part.addresses()
-    if call_at(function, now, there.ctypes.data, state, constants) != 0:
-        raise part.error
+    if guarded((part,), lambda: call_at(function, now, there.ctypes.data, state, constants)) != 0:
+        raise raised(part, Frame.at(now).numbers if now else None)
+
+
+def guarded(parts: Iterable[Any], drive: Callable[[], int]) -> int:
+    """What `drive` returns, which drives these parts; Ctrl-C ends it where one is of a law that may never end."""
+    status: int = interruptible(drive) if any(getattr(part, "is_checked", False) for part in parts) else drive()
+    return status
+
+
+def raised(part: Any, numbers: Sequence[float] | None) -> BaseException:
+    """What a part has raised that failed, to the numbers of a frame, at its start None."""
+    error: BaseException = part.raised(numbers) if hasattr(part, "raised") else part.error
+    return error
 
 
 class GraphRun:
@@ -79,7 +93,7 @@ class GraphRun:
         for begin, end in _pieces(last):
             count = end - begin
             self.frames[: count + 1, frame.TIME] = self.series[frame.TIME, begin : end + 1]
-            status = run_instants(self.frames, 0, count, end == last, self._rows, self._answering, stopped)
+            status = self._drive_piece(count, end == last, stopped)
             if status != FINISHED:
                 raise self._error(status, *stopped.tolist())
             self.series[:, begin : end + 1] = self.frames[: count + 1].T
@@ -88,13 +102,20 @@ class GraphRun:
                 self._pass_on_notes(noted, note)
             progress(float(self.series[frame.TIME, end]))
 
+    def _drive_piece(self, count: int, final: bool, stopped: np.ndarray) -> int:
+        return guarded(
+            (part for _, part in self.parts),
+            lambda: run_instants(self.frames, 0, count, final, self._rows, self._answering, stopped),
+        )
+
     def _error(self, status: int, instant: int, place: int) -> BaseException:
         """The error of a part that stopped at an instant of a piece, with the time if a number is not finite."""
         role, part = self.parts[place]
+        here = instant if place < self._answering else instant - 1  # of one that integrates it is the one before
         try:
             if status == NOT_FINITE:
                 refuse_not_finite(self.frames[instant], self.writes[role])
-            raise part.error
+            raise raised(part, self.frames[here].tolist())
         except SignalError as error:
             return SignalError(f"at {self.frames[instant, frame.TIME]:g} s: {role}: {error}")
         except BaseException as error:  # of a law in plain Python: it is raised as it is
@@ -119,14 +140,15 @@ def output_again(configuration: Configuration, series: np.ndarray) -> np.ndarray
     again, last = series.copy(), series.shape[1] - 1
     frames = np.zeros((min(_PIECE, last) + 1, len(series)))
     row = np.array([(*part.addresses(), *frame.span(writes))], np.int64)
+    stopped = np.zeros(2, np.int64)
     for begin, end in _pieces(last):
         count = end - begin
         frames[: count + 1] = series[:, begin : end + 1].T
         if begin == 0:
             call(part, 0, frames[0])
-        if run_instants(frames, 0, count, False, row, 0, np.zeros(2, np.int64)) != FINISHED:
+        if run_instants(frames, 0, count, False, row, 0, stopped) != FINISHED:
             refuse_not_finite(frames[count], writes)
-            raise part.error
+            raise raised(part, frames[stopped[0] - 1].tolist())
         new = slice(int(begin > 0), count + 1)  # the first instant of a piece stands in the one before
         again[:, begin + new.start : end + 1] = frames[new].T
     return again

@@ -14,6 +14,7 @@ from ev_core.lockstep.inbox import (
     HoldingInbox,
     Inbox,
     note_answer,
+    row_of,
     row_of_answer,
 )
 from ev_core.lockstep.tally import Tally
@@ -197,6 +198,10 @@ class Stepper:
     def _instant(self, stamp: int) -> float:
         """The time that a stamp means [s]."""
         return (stamp - stamp % self.period) / stamps.NANOSECONDS
+
+    def inputs_of(self, stamp: int) -> Frame:
+        """The frame of the inputs of a step."""
+        return self._frames[row_of(self._steps, stamp)]
 
     def frame_of(self, stamp: int) -> Frame:
         """The frame of the answer for an instant."""

@@ -67,8 +67,9 @@ class CalledBack:
 class PythonPart(CalledBack):
     """An object whose steps run in plain Python."""
 
-    def __init__(self, method: Method, made: Any) -> None:
+    def __init__(self, method: Method, made: Any, note: str = "") -> None:
         self.made = made
+        self._note = (note,) if note else ()
         self._reads = tuple(_reader(signal) for signal in method.reads)
         self._writes = tuple(_writer(signal) for signal in method.writes)
         self._answers = ROLES[method.role].kind is RoleKind.ANSWERS
@@ -112,8 +113,8 @@ class PythonPart(CalledBack):
                 shape.refuse_not_finite(values)
 
     def notes(self) -> tuple[str, ...]:
-        """What the object reports."""
-        return self._reports() if self._reports else ()
+        """What the object reports, behind the note of who has made it."""
+        return (*self._note, *(self._reports() if self._reports else ()))
 
 
 def _reader(signal: type) -> Callable[[Any], Any]:

@@ -17,6 +17,7 @@ import numpy as np
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
 from ev_core.compiling.machine_code import can_be_kept
+from ev_core.lockstep.run import guarded, raised
 from ev_core.node_loop import steps
 from ev_core.node_loop.steps import FAILED, GID, INPUT, LOOP, NOT_FINITE, ODD, OUTPUT, RUN
 from ev_msgs_py.contract import frame
@@ -221,18 +222,18 @@ class OrdinarySteps:
             self._part = stepper.part
             head[_FUNCTION], head[_STATE], head[_CONSTANTS] = self._part.addresses()
         self._name_senders()
-        why = self._call()
+        why = guarded((self._part,), lambda: self._call())
         if head[_REFUSED]:
             for refused, reader in zip(self._inputs["refused"], self._readers, strict=True):
                 reader.speaker.refused += int(refused)
             self._inputs["refused"] = 0
         if why == ODD:
             self._judge(head[_ODD])
-        elif why == FAILED:
-            raise self._part.error
-        elif why == NOT_FINITE:
-            answered = stepper.inbox.last + stepper.period + stepper.inbox.steps.lead
-            self._part.refuse_not_finite(stepper.frame_of(answered))
+        elif why in (FAILED, NOT_FINITE):
+            due = stepper.inbox.last + stepper.period
+            if why == FAILED:
+                raise raised(self._part, stepper.inputs_of(due).numbers)
+            self._part.refuse_not_finite(stepper.frame_of(due + stepper.inbox.steps.lead))
         return why == ODD or bool(head[_CAME])
 
     @property

@@ -13,6 +13,8 @@ from contextlib import contextmanager, suppress
 from types import FrameType, TracebackType
 from typing import NoReturn
 
+from ev_core.compiled.interruptible import REQUESTS
+
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 STOPPED = 130  # the status that shells know of a command that Ctrl-C has ended
 
@@ -126,7 +128,8 @@ class StopRequest:
 
     rclpy's own handlers shut its context down under a node that is just using it, and Python's interrupt any line.
     This leaves everything intact, so that the running code can finish and clean up. A second signal raises
-    KeyboardInterrupt wherever the program is, unless the request is `patient`. For the main thread only.
+    KeyboardInterrupt wherever the program is, unless the request is `patient`; so does the first one where a law
+    never ends. For the main thread only.
     """
 
     def __init__(self, patient: bool = False) -> None:
@@ -134,14 +137,19 @@ class StopRequest:
         self._patient = patient
 
     def __enter__(self) -> StopRequest:
+        REQUESTS.append(self._is_received)
         self._before = {kind: signal.signal(kind, self._on_signal) for kind in _SIGNALS}
         let_in()
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        REQUESTS.remove(self._is_received)
         for number, handler in self._before.items():
             if signal.getsignal(number) == self._on_signal:  # else the process has turned deaf
                 signal.signal(number, handler)
+
+    def _is_received(self) -> bool:
+        return self.received
 
     def _on_signal(self, number: int, frame: FrameType | None) -> None:
         if self.received and not self._patient:

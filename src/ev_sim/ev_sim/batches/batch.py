@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
+from queue import SimpleQueue
+from threading import Thread
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ev_core.compiled.loop import FINISHED, run_through
+from ev_core.compiled.loop import FAILED, FINISHED, run_through
 from ev_core.compiled.part import CompiledPart, RowPart, row_function
 from ev_core.faults.row import FaultRow
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import check_graph
-from ev_core.lockstep.parts import method_part, row_parts
+from ev_core.lockstep.parts import compiled_part, row_parts
 from ev_core.lockstep.run import refuse_not_finite, roles_in_order
 from ev_core.sensors.row import SensorRow
 from ev_msgs_py.contract import frame, stamps
@@ -80,7 +83,7 @@ class Runs:
         self._legs = list(pairwise([0, *range(look, last, look), last]))
         self._varied = {role: variation.configurations(role) for role in configurations}
         first = {role: varied[0] if varied else configurations[role] for role, varied in self._varied.items()}
-        made = {role: method_part(configuration, compiled=True) for role, configuration in first.items()}
+        made = {role: compiled_part(configuration) for role, configuration in first.items()}
         self._made, self._differs = made, {role for role in made if variation.concerns_method(role)}
         # What is compiled is compiled here, and not by several threads at once.
         observer.function()
@@ -106,19 +109,24 @@ class Runs:
         frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
         of = {role: varied[run] if varied else self._base[role] for role, varied in self._varied.items()}
         for first, last in self._legs:
-            if run_through(frames, self._times, first, last, rows, len(before), stopped) != FINISHED:
-                return self._why(frames, stopped, (*before, *behind))
+            status = run_through(frames, self._times, first, last, rows, len(before), stopped)
+            if status != FINISHED:
+                return self._why(status, frames, stopped, (*before, *behind))
             if self._ending and whole and self._ending.is_over(driven_run(whole.recorded(last + 1)[1], of), first):
                 break
         if self._measures and whole:
             self._measures.take(run, whole, last + 1, of)
         return ""
 
-    def _why(self, frames: np.ndarray, stopped: np.ndarray, placed: Sequence[_Placed]) -> str:
-        """The line on what was not finite."""
+    def _why(self, status: int, frames: np.ndarray, stopped: np.ndarray, placed: Sequence[_Placed]) -> str:
+        """The line on what was not finite, or what a law raised."""
         instant, place, which = stopped.tolist()
-        role = placed[place].role
+        role, part = placed[place].role, placed[place].part
         try:
+            if status == FAILED and isinstance(part, CompiledPart):
+                here = frames[which if role in self._answering else 1 - which]
+                is_start = instant == 0 and role in self._integrating
+                raise part.raised(None if is_start else here.tolist(), placed[place].state)
             refuse_not_finite(frames[which], self._base[role].method.writes)
         except SignalError as error:
             return f"at {self._times[instant]:g} s {error}"
@@ -131,7 +139,7 @@ class Runs:
         try:
             part = self._made[role]
             if role in self._differs:
-                part = method_part(configuration, compiled=True, like=part)
+                part = compiled_part(configuration, like=part)
         except ParameterError as error:  # values that are allowed one by one and do not fit together
             raise ParameterError(f"run {run}: {role}: {error}") from None
         state = self._initial_states[role][run] if role in self._initial_states else part.state
@@ -221,12 +229,10 @@ def batch(
     measures = WholeRuns(texts, configurations, variation.runs, times, hashes) if texts or hashes or ending else None
     runs = Runs(configurations, variation, states, observation, times, measures, ending)
     workers = threads or len(os.sched_getaffinity(0))
-    with ThreadPoolExecutor(workers) as pool:
-        # In portions: handing over each run alone costs a tenth of making it; the last ones shall be short.
-        size = max(variation.runs // (_PORTIONS * workers), 1)
-        begins = range(0, variation.runs, size)
-        portions = pool.map(runs.drive_some, [range(each, min(each + size, variation.runs)) for each in begins])
-        failed = {run: text for portion in portions for run, text in portion.items()}
+    # In portions: handing over each run alone costs a tenth of making it; the last ones shall be short.
+    size = max(variation.runs // (_PORTIONS * workers), 1)
+    portions = [range(each, min(each + size, variation.runs)) for each in range(0, variation.runs, size)]
+    failed = _driven(runs, portions, workers)
     reduced, ends = observation.reduced(), measures.ends if measures else np.full(variation.runs, times[-1])
     reduced[list(failed)] = ends[list(failed)] = np.nan
     return BatchResult(
@@ -240,6 +246,36 @@ def batch(
         ends,
         measures.hashes if measures else (),
     )
+
+
+def _driven(runs: Runs, portions: Sequence[range], threads: int) -> dict[int, str]:
+    """Drive the runs on threads; the answer has those that have stopped, and why.
+
+    Ctrl-C ends the wait at once: threads that stand in a law without an end go with the process.
+    """
+    waiting, done = deque(enumerate(portions)), SimpleQueue[tuple[int, Any]]()
+
+    def drive() -> None:
+        while waiting:
+            with suppress(IndexError):  # another thread has taken the last one
+                number, portion = waiting.popleft()
+                try:
+                    done.put((number, runs.drive_some(portion)))
+                except BaseException as error:  # for who waits
+                    done.put((number, error))
+
+    for _ in range(threads):
+        Thread(target=drive, daemon=True).start()
+    try:
+        found = dict(done.get() for _ in portions)
+    finally:
+        waiting.clear()
+    failed: dict[int, str] = {}
+    for number in range(len(portions)):
+        if isinstance(found[number], BaseException):
+            raise found[number]
+        failed |= found[number]
+    return failed
 
 
 def _refuse_channels(configurations: Mapping[str, Configuration], channels: Iterable[str]) -> None:

@@ -1,0 +1,88 @@
+"""Calls of compiled code that may never return, such as a law with an endless loop: Ctrl-C ends the wait for them.
+
+How it works: Python handles signals in its main thread alone, and there only between two of its own steps. So another
+thread makes the call, and the main thread waits for it. Where the handler of a signal raises an exception, or a
+request to stop has waited for a while, the wait ends; a call that still does not return is given up, with its thread,
+which goes with the process.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from _thread import allocate_lock, start_new_thread
+from collections.abc import Callable
+from typing import Any
+
+_GRACE = 0.5  # s for a call to return after a signal: one of a law that ends takes far less
+_LOOK = 0.1  # s between two looks at requests to stop
+
+# Each of those that are under way: whether somebody asked to stop, which raises nothing by itself.
+REQUESTS: list[Callable[[], bool]] = []
+
+
+class _Caller:
+    """A thread that makes one call after the other."""
+
+    def __init__(self) -> None:
+        self._asked, self.done = allocate_lock(), allocate_lock()
+        self._asked.acquire()
+        self.done.acquire()
+        self._call: Callable[[], Any] | None = None
+        self.result: Any = None
+        self.error: BaseException | None = None
+        # Not one that Python counts: workers may be forked off beside it, for it holds nothing between two calls.
+        start_new_thread(self._make_calls, ())
+
+    def begin(self, call: Callable[[], Any]) -> None:
+        """Let it make a call; what that works on lasts as long as the call, also where nobody waits any more."""
+        self._call = call
+        self._asked.release()
+
+    def _make_calls(self) -> None:
+        while True:
+            self._asked.acquire()
+            call, self._call, self.error = self._call, None, None
+            assert call is not None
+            try:
+                self.result = call()
+            except BaseException as error:  # for who waits
+                self.error = error
+            del call
+            self.done.release()
+
+
+_idle: list[_Caller] = []
+os.register_at_fork(after_in_child=_idle.clear)  # their threads are not there
+
+
+def interruptible(call: Callable[[], Any]) -> Any:
+    """What a call gives or raises; KeyboardInterrupt, or what a signal's handler raises, where a signal ends the wait.
+
+    Other threads than the main one, which get no signals, make it themselves.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return call()
+    caller = _idle.pop() if _idle else _Caller()
+    caller.begin(call)
+    try:
+        _wait(caller)
+    except BaseException:
+        if caller.done.acquire(timeout=_GRACE):
+            _idle.append(caller)
+        raise
+    _idle.append(caller)
+    result, error = caller.result, caller.error
+    caller.result = caller.error = None
+    if error is not None:
+        raise error
+    return result
+
+
+def _wait(caller: _Caller) -> None:
+    """Wait until a call has returned; KeyboardInterrupt if it goes on for longer than a request to stop can wait."""
+    asked = 0.0
+    while not caller.done.acquire(timeout=_LOOK):
+        asked = asked + _LOOK if any(is_asked() for is_asked in REQUESTS) else 0.0
+        if asked > _GRACE:
+            raise KeyboardInterrupt

@@ -1,0 +1,69 @@
+"""Ctrl-C and SIGTERM end every run, also where a compiled law never returns; it costs nothing but the law's process."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from running import endless_law
+
+from ev_core.compiled.interruptible import REQUESTS, interruptible
+
+COMMANDS = ("offline", "in one process", "as processes")
+CALLS = ("run", "simulation", "batch")
+
+
+def ended(way: str, folder: Path, kind: signal.Signals) -> subprocess.CompletedProcess[str]:
+    """What comes of a run that is asked to stop once its law stands in its loop."""
+    words = [sys.executable, endless_law.__file__, way, str(folder)]
+    environment = {**os.environ, "TEST_SIGNAL": str(int(kind))}
+    return subprocess.run(words, capture_output=True, text=True, env=environment, timeout=120)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("way", COMMANDS)
+def test_a_command_ends_with_one_line(way: str, kind: signal.Signals, tmp_path: Path):
+    """It does not hang, which the limit of the process shows."""
+    done = ended(way, tmp_path, kind)
+    assert (done.returncode, done.stderr.splitlines()[-1]) == (130, "stopped")
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", CALLS)
+def test_a_call_from_python_raises_keyboard_interrupt(way: str, tmp_path: Path):
+    """So a notebook goes on, with its variables."""
+    done = ended(way, tmp_path, signal.SIGINT)
+    assert done.stderr.splitlines()[-1] == "KeyboardInterrupt", done.stderr
+
+
+def test_what_a_call_gives_and_raises_comes_through():
+    """One after the other, by the same thread, and after an error."""
+    assert [interruptible(lambda n=n: n * n) for n in range(3)] == [0, 1, 4]
+    with pytest.raises(ZeroDivisionError):
+        interruptible(lambda: 1 // 0)
+    assert interruptible(lambda: "again") == "again"
+
+
+def test_a_request_to_stop_does_not_end_a_call_that_returns():
+    """Only one that goes on for longer than the request can wait."""
+    REQUESTS.append(lambda: True)
+    try:
+        assert interruptible(lambda: 1) == 1
+    finally:
+        REQUESTS.pop()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+def test_a_forked_process_has_threads_of_its_own():
+    """Those of the parent are not there: to wait for one of them would last for ever."""
+    interruptible(lambda: None)
+    child = os.fork()
+    if child == 0:
+        os._exit(interruptible(lambda: 7))
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
