@@ -17,6 +17,7 @@ from gymnasium.utils.env_checker import check_env
 
 import ev_sim
 import ev_sim.learning
+from ev_core.methods.register import methods_of
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError
@@ -29,6 +30,7 @@ from ev_sim.recording.recording import signal_hash
 from ev_sim.scenarios.about import vehicle_of
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "random_agent.py"
+BRAKES_BY_DRIVES = ("blended_brakes",)
 NOISE = {"plant.sensors.imu_yaw_rate.noise": 0.01}
 DURATION = 0.4
 
@@ -61,8 +63,33 @@ def test_everything_that_a_car_shows_lies_within_its_limits(scenario, run):
 
 @pytest.mark.parametrize("car", sorted(files_in_config("vehicles")))
 def test_every_channel_of_every_car_has_a_limit(car):
-    found = limits(tuple(frame.channels()), vehicle_of(car), duration=10.0, start={})
+    vehicle = vehicle_of(car)
+    found = limits(tuple(frame.channels()), vehicle, 10.0, start={}, motor_torque=vehicle.motor.peak_torque)
     assert all(0.0 < limit.largest < math.inf and limit.reason for limit in found.values())
+
+
+@pytest.mark.parametrize("car", sorted(files_in_config("vehicles")))
+def test_the_bounds_of_torques_are_those_that_the_plant_lets_a_wheel_have(car):
+    """A torque beyond the upper bound is cut to it by the guard, and one at the bound is not: axles may differ."""
+    scenario, law = "step_steer", {"electronic_differential": "equal_torque"}
+    environment = Environment(scenario, run="left", vehicle=car, method=law, duration=1.0)
+    plant = environment.simulation.configurations["plant"]
+    guard = plant.method.law.prepare(plant.parameters, plant.common.vehicle, 0.01)
+    wheels = [channel.rpartition(".")[2] for channel in environment.channels]
+    most = [getattr(guard.limits.drive, wheel) for wheel in wheels]
+    assert environment.action_space.high.tolist() == most
+    assert (environment.action_space.low <= 0.0).all()
+    limited = Environment(scenario, "traction_control", run="left", vehicle=car, method=law, duration=1.0)
+    assert (limited.action_space.high >= environment.action_space.high).all()
+    assert limited.action_space.low.tolist() == [0.0] * len(wheels)
+
+
+def test_the_bounds_on_the_kinematic_plant_are_those_of_its_drives():
+    """Whose largest torque is a parameter of the plant, and not of the car."""
+    environment = Environment("shchur2019", set={"plant.motor.torque_limit": 40.0})
+    gear = environment.simulation.configurations["plant"].common.vehicle.gear_ratio
+    assert environment.action_space.high.tolist() == [40.0 * gear] * 2
+    assert environment.action_space.low.tolist() == [-40.0 * gear] * 2
 
 
 def test_what_lies_beyond_a_limit_is_observed_as_the_limit():
@@ -107,6 +134,32 @@ def test_who_acts_like_the_law_gets_the_bits_of_the_plain_run(action, role, meth
         _, _, _, over, info = environment.step(info["own"])
     plain = ev_sim.run("double_lane_change", **changed)
     assert signal_hash(environment.simulation.recording) == signal_hash(next(iter(plain.runs.values())))
+
+
+@pytest.mark.parametrize("method", [name for name, each in methods_of("asr").items() if "plant" not in each.requires])
+def test_who_acts_like_any_traction_control_gets_the_bits_of_the_plain_run_or_one_line(method):
+    """On split friction, braked and steered: limits of what is asked for, or a law that brakes by the drives."""
+    changed = {"duration": 1.5, "method": {"asr": method}, "vehicle": "audi_a2"}
+    environment = Environment("straight_brake_split_mu", "traction_control", run="steered", record=True, **changed)
+    over = False
+    try:
+        _, info = environment.reset(seed=1)
+        while not over:
+            _, _, _, over, info = environment.step(info["own"])
+    except ParameterError as error:
+        assert method in BRAKES_BY_DRIVES
+        assert f"asr method {method} writes torque_command.drive." in str(error)
+        return
+    assert method not in BRAKES_BY_DRIVES
+    plain = ev_sim.run("straight_brake_split_mu", runs=["steered"], seed=1, **changed)
+    assert signal_hash(environment.simulation.recording) == signal_hash(plain.runs["steered"])
+
+
+def test_an_option_of_reset_is_refused():
+    environment = Environment("double_lane_change")
+    environment.reset(options={})
+    with pytest.raises(ParameterError, match=r"^reset option 'plant\.initial_speed' is refused, expected is none"):
+        environment.reset(options={"plant.initial_speed": 10.0})
 
 
 def test_what_is_observed_rewarded_and_ended_is_the_users():

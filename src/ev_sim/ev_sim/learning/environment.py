@@ -7,6 +7,7 @@ action, and the action that stands for what the scenario's own law wrote at the 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,17 +15,19 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from ev_core.lockstep.configuration import Configuration
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.interface.driving import Name
 from ev_sim.interface.simulation import Simulation, SteppedLaw
-from ev_sim.learning.limits import LARGEST_HAND_TORQUE, limits
+from ev_sim.learning.limits import LARGEST_HAND_TORQUE, limits, motor_torques
 from ev_sim.learning.view import picture
+from ev_sim.plant.guard import guard_limits
 
 Frame = Mapping[str, float]
 
@@ -33,13 +36,13 @@ Frame = Mapping[str, float]
 class Action:
     """A kind of action, in the place of a `role`: it gives some `channels` of what that role writes.
 
-    `bounds` gives lowest and highest values, (number of channels,) each, and `means` what is written for an action at
-    an instant. `of_law` is the action that stands for what the law wrote.
+    `bounds` gives lowest and highest values for a plant, (number of channels,) each, and `means` what is written for an
+    action at an instant. `of_law` is the action that stands for what the law wrote.
     """
 
     role: str
     channels: Callable[[Vehicle], tuple[str, ...]]
-    bounds: Callable[[Vehicle], tuple[np.ndarray, np.ndarray]]
+    bounds: Callable[[Configuration], tuple[np.ndarray, np.ndarray]]
     means: Callable[[Frame, tuple[str, ...], np.ndarray], dict[str, float]]
     of_law: Callable[[np.ndarray], np.ndarray]
 
@@ -49,19 +52,24 @@ def _drive(signal: type) -> Callable[[Vehicle], tuple[str, ...]]:
     return lambda vehicle: tuple(f"{prefix}.drive.{wheel}" for wheel in vehicle.driven_wheels)
 
 
-def _wheel_torques(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray]:
-    """What the motors can do at the wheels [N m]."""
-    ones = np.ones(len(vehicle.driven_wheels))
-    lowest, highest = -vehicle.motor.generator_torque, vehicle.motor.peak_torque
-    return lowest * vehicle.gear_ratio * ones, highest * vehicle.gear_ratio * ones
+def _wheel_torques(plant: Configuration) -> tuple[np.ndarray, np.ndarray]:
+    """What the motors of a wheel can do there [N m], by clutches and differentials those of other wheels, too."""
+    least, most = motor_torques(plant)
+    return -_at_wheels(plant.common.vehicle, least), _at_wheels(plant.common.vehicle, most)
 
 
-def _torque_limits(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray]:
-    lowest, highest = _wheel_torques(vehicle)
+def _at_wheels(vehicle: Vehicle, motor_torque: float) -> np.ndarray:
+    """The largest torques of the driven wheels [N m] that the guard of a plant lets through, by that of a motor."""
+    drive = guard_limits(vehicle, motor_torque, math.inf).drive
+    return np.array([drive[WHEEL_NAMES.index(wheel)] for wheel in vehicle.driven_wheels])
+
+
+def _torque_limits(plant: Configuration) -> tuple[np.ndarray, np.ndarray]:
+    lowest, highest = _wheel_torques(plant)
     return np.zeros_like(highest), np.maximum(-lowest, highest)
 
 
-def _hand_torque(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray]:
+def _hand_torque(plant: Configuration) -> tuple[np.ndarray, np.ndarray]:
     return np.array([-LARGEST_HAND_TORQUE]), np.array([LARGEST_HAND_TORQUE])
 
 
@@ -197,9 +205,10 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         self._frame = self.simulation.frame
         self._way: list[tuple[float, float]] = []
         self.observed = _observed(observe, self._frame)
-        self.limits = limits(self.observed, car, self.simulation.duration, self._frame)
+        plant = self.simulation.configurations[MASTER]
+        self.limits = limits(self.observed, car, self.simulation.duration, self._frame, max(motor_torques(plant)))
         self.channels = self._action.channels(car)
-        low, high = self._action.bounds(car)
+        low, high = self._action.bounds(plant)
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
         self._largest = np.array([limit.largest for limit in self.limits.values()])
         self.observation_space = gymnasium.spaces.Box(-self._largest, self._largest, dtype=np.float64)
@@ -223,8 +232,14 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin again at rest; `seed` is that of the scenario, too: with it the signals are those of `ev_sim.run`.
 
-        A scenario has seeds below 2^31: for a larger one its seed is drawn.
+        A scenario has seeds below 2^31: for a larger one its seed is drawn. ParameterError for `options`: there are
+        none, an episode begins as the environment was made.
         """
+        if options:
+            raise ParameterError(
+                f"reset option {quoted(str(next(iter(options))))} is refused, expected is none: what differs from the "
+                "scenario is given where the environment is made, such as set={'plant.initial_speed': 10.0}"
+            )
         super().reset(seed=seed)
         is_drawn = seed is None or seed > _LARGEST_SEED
         frame = self.simulation.reset(int(self.np_random.integers(_LARGEST_SEED)) if is_drawn else seed)
@@ -238,7 +253,9 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             raise ParameterError(f"action of shape {np.shape(action)} is refused, allowed is {allowed}")
         means = self._action.means(self._frame, self.channels, np.asarray(action, np.float64))
         own = self._own
-        frame = self.simulation.step({**self._answer, **means})
+        # What equals the output of the law is that output: of two zeros one may have a sign.
+        meant = {name: value for name, value in means.items() if value != self._answer[name]}
+        frame = self.simulation.step({**self._answer, **meant})
         seen, info = self._seen(frame), self._info(frame)
         over = self.simulation.time > self.simulation.duration
         return seen, float(self._reward(frame, action, own)), self._ends(frame), over, info
@@ -256,7 +273,19 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             self._way.append((frame["pose.x"], frame["pose.y"]))
         self._answer = self._law.answer(self.simulation.time, frame)
         self._own = self._action.of_law(np.array([self._answer[name] for name in self.channels]))
+        self._refuse_what_no_action_means()
         return {"own": self._own, "frame": frame, "time": self.simulation.time}
+
+    def _refuse_what_no_action_means(self) -> None:
+        """ParameterError where the law does what no action stands for: there is then no `own`."""
+        for name, value in self._action.means(self._frame, self.channels, self._own).items():
+            if value != self._answer[name]:
+                law = self.simulation.configurations[self._action.role].method.name
+                raise ParameterError(
+                    f"{self._action.role} method {law} writes {name} {self._answer[name]:g} at "
+                    f"{self.simulation.time:g} s, where action {self._kind} only limits what is asked for: expected is "
+                    "a method that does so, too"
+                )
 
 
 def _observed(names: Sequence[str], known: Mapping[str, float]) -> tuple[str, ...]:

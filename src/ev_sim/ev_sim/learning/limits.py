@@ -7,11 +7,13 @@ from collections.abc import Callable, Mapping
 from fnmatch import fnmatchcase
 from typing import NamedTuple
 
+from ev_core.lockstep.configuration import Configuration
 from ev_core.vehicle.car import GRAVITY
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import drive_train_numbers, motors_behind
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_sim.drives.drive import DRIVE_MODELS
 
 LARGEST_HAND_TORQUE = 20.0  # [N m], what two hands do in an emergency; drivers of the scenarios stay below
 LARGEST_HAND_RATE = 40.0  # [rad/s] of the steering wheel, twice what hands do in an emergency
@@ -42,10 +44,19 @@ class _Episode(NamedTuple):
     power: float
 
 
-def _episode(car: Vehicle, duration: float, start: Mapping[str, float]) -> _Episode:
+def motor_torques(plant: Configuration) -> tuple[float, float]:
+    """The largest torques at the shaft of a motor, when it brakes and when it drives [N m], as the plant has them."""
+    values = plant.values()
+    if values.get("drive") in DRIVE_MODELS:
+        return values["motor.torque_limit"], values["motor.torque_limit"]
+    motor = plant.common.vehicle.motor
+    return motor.generator_torque, motor.peak_torque
+
+
+def _episode(car: Vehicle, duration: float, start: Mapping[str, float], motor_torque: float) -> _Episode:
     gears = drive_train_numbers(car)["gear"]
     motors = max(motors_behind(car, wheel) * gear for wheel, gear in zip(WHEEL_NAMES, gears, strict=True))
-    by_motor = motors * max(car.motor.peak_torque, car.motor.generator_torque)
+    by_motor = motors * motor_torque
     by_tyre = LARGEST_FRICTION * car.mass * GRAVITY * car.wheel_radius
     rolling = LARGEST_SPEED / (car.wheel_radius * min(car.wheel_radius_ratio))
     spin = max(rolling, car.motor.maximum_speed / min(gears))
@@ -101,9 +112,14 @@ def _far(start: Mapping[str, float]) -> float:
     return max(abs(start.get(f"pose.{axis}", 0.0)) for axis in "xy")
 
 
-def limits(channels: tuple[str, ...], car: Vehicle, duration: float, start: Mapping[str, float]) -> dict[str, Limit]:
-    """The limits of some channels of a car in an episode of at most `duration` [s] that begins with a frame."""
-    of, units = _episode(car, duration, start), frame.units()
+def limits(
+    channels: tuple[str, ...], car: Vehicle, duration: float, start: Mapping[str, float], motor_torque: float
+) -> dict[str, Limit]:
+    """The limits of some channels of a car in an episode of at most `duration` [s] that begins with a frame.
+
+    `motor_torque` is the largest one at the shaft of a motor [N m].
+    """
+    of, units = _episode(car, duration, start, motor_torque), frame.units()
     found = {}
     for channel in channels:
         rules = ((reason, largest) for pattern, reason, largest in _OF_CHANNELS if fnmatchcase(channel, pattern))

@@ -14,7 +14,9 @@ import numpy as np
 from ev_core.elementary import hypot
 from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.driveline import drive_train_numbers
 from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.driver.path import nearest, path_of, point_at
 from ev_sim.figures.panels import Curve, Panel, readable
 from ev_sim.figures.sheets import Sheet
@@ -141,7 +143,8 @@ def _given(recording: Recording, name: str, vehicle: Vehicle) -> tuple[np.ndarra
     command = channel(recording, f"torque_command.drive.{name}")
     if SET_POINT + name not in recording.channels:
         return command, command < channel(recording, f"torque_request.drive.{name}")
-    in_reach = channel(recording, SET_POINT + name) < vehicle.motor.maximum_speed / vehicle.gear_ratio
+    gear = drive_train_numbers(vehicle)["gear"][WHEEL_NAMES.index(name)]
+    in_reach = channel(recording, SET_POINT + name) < vehicle.motor.maximum_speed / gear
     return channel(recording, f"wheel_states.effort.{name}") / vehicle.motor.gear_efficiency, in_reach
 
 
