@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import argparse
 import csv
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from ev_core.parameters.data_file import files_in_config
+from ev_core.parameters.declaration import parameter
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.benchmark.board import read_board
+from ev_sim.benchmark.board import ROLE, read_board
 from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
 from ev_sim.benchmark.driving import drive_cell
 from ev_sim.commands.benchmark import run_benchmark
@@ -67,6 +69,30 @@ def test_bounds_are_those_of_the_declaration_and_two_decades():
         free_parameters("pi", configurations("pi"), ["x*"])
     with pytest.raises(ParameterError, match="of law pi mean 1, allowed are two or more"):
         free_parameters("pi", configurations("pi"), ["wanted.lag"])
+
+
+def test_a_number_without_bounds_is_searched_around_a_positive_start_and_else_refused():
+    """Bounds are optional in a law of one's own; a start of 0 has no scale by itself."""
+
+    @dataclass(frozen=True)
+    class Parameters:
+        gain: float = parameter(4.0, about="gain")
+        lag: float = parameter(0.2, low=0.1, about="lag")
+        offset: float = parameter(0.0, about="offset")
+        bounded: float = parameter(0.0, low=-1.0, high=1.0, about="bounded offset")
+        fixed: float = parameter(1.0, low=1.0, high=1.0, about="that cannot change")
+
+    own = {ROLE: SimpleNamespace(parameters=Parameters())}
+    gain, lag, bounded = free_parameters("own", own, ["gain", "lag", "bounded"])
+    assert (gain.low, gain.high, lag.low, lag.high) == (0.04, 400.0, 0.1, 20.0)
+    assert (bounded.low, bounded.high, bounded.share) == (-1.0, 1.0, 0.5)
+    assert gain.value(gain.share) == pytest.approx(gain.start)
+    with pytest.raises(
+        ParameterError, match=r"^number offset of law own starts at 0 and has no bounds on both sides, "
+    ):
+        free_parameters("own", own, ["*"])
+    with pytest.raises(ParameterError, match=r"^number fixed of law own has nothing between 1 and 1, expected a ra"):
+        free_parameters("own", own, ["gain", "lag", "fixed"])
 
 
 def test_every_law_that_is_tuned_has_the_numbers_that_are_free():

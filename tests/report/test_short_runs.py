@@ -18,6 +18,7 @@ BEGIN = (("driver", "pedals.begin", True),)  # pedals from the start instead of 
     ("name", "duration", "values"),
     [
         *((name, 0.5, ()) for name in scenario_names()),
+        *((name, 0.02, ()) for name in scenario_names()),
         ("steady_circle", 4.0, ()),
         ("steady_circle", None, BEGIN),
     ],

@@ -12,7 +12,7 @@ import numpy as np
 from ev_papers.ge_ni2005 import paper, quantities
 from ev_papers.ge_ni2005.quantities import CHATTER_WINDOW, QUANTITIES, response_time, slip
 from ev_sim.measures import motion
-from ev_sim.measures.metric import channel, run_named
+from ev_sim.measures.metric import NotMeasured, channel, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioRuns, StudyCases
 
@@ -79,7 +79,10 @@ def rim_speed(driven: ScenarioRuns, side: str, run: str) -> float:
 
 
 def _largest(run: Recording, values: np.ndarray, since: float) -> float:
-    return float(np.abs(values[(run.time >= since) & (run.time <= paper.INSTANT)]).max())
+    inside = values[(run.time >= since) & (run.time <= paper.INSTANT)]
+    if not len(inside):
+        raise NotMeasured(f"the run ends before {since:g} s")
+    return float(np.abs(inside).max())
 
 
 def largest_radius(driven: ScenarioRuns, run: str, since: float) -> float:

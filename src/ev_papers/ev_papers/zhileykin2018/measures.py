@@ -98,7 +98,9 @@ def _slip_angles(driven: ScenarioRuns, run: str) -> np.ndarray:
 def sides_apart(driven: ScenarioRuns, run: str) -> float:
     """Largest difference of the slip angles left and right over the largest slip angle [1]."""
     angles = _slip_angles(driven, run)
-    return float(np.abs(angles[::2] - angles[1::2]).max() / np.abs(angles).max())
+    if not (largest := np.abs(angles).max()):
+        raise NotMeasured("no wheel has a slip angle")
+    return float(np.abs(angles[::2] - angles[1::2]).max() / largest)
 
 
 def last_speed(driven: ScenarioRuns, run: str) -> float:

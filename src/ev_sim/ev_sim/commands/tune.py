@@ -21,7 +21,7 @@ from ev_sim.command_line.options import command_of
 from ev_sim.command_line.paths import output_folder
 from ev_sim.command_line.refusal import Parser
 from ev_sim.measured.journal import Journal
-from ev_sim.recording.outcome import bar_of_runs
+from ev_sim.recording.outcome import announce, bar_of_runs
 from ev_sim.recording.recording import atomic_file
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.study.kept_rows import short_digest
@@ -47,6 +47,10 @@ def run_tune(argv: Sequence[str]) -> None:
     names = [by_word.get(law, law) for law in laws]
     check_laws(board, names, added)
     free = {name: _free(board, name, given) for name in names}
+    for law, of in free.items():
+        for each in of:
+            if not each.by_factors:  # the first steps are a part of all its range, however large that is
+                announce(f"note: {law}: {each.name} starts at {each.start:g}: from {each.low:g} to {each.high:g}")
     references = _references(board, given)
     keys = {name: search_key(references, name, free[name], given) for name in names}
     journals = []

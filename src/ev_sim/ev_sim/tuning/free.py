@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 from ev_core.lockstep.configuration import Configuration
-from ev_core.parameters.declaration import entries
+from ev_core.parameters.declaration import Spec, entries
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.benchmark.board import ROLE
 from ev_sim.benchmark.draws import BELIEF
@@ -51,18 +51,19 @@ class Free:
 def free_parameters(law: str, configurations: Mapping[str, Configuration], patterns: Sequence[str]) -> list[Free]:
     """The numbers of a law whose names fit, as a board names them, except what the board draws for it.
 
-    ParameterError if a pattern fits none, or if fewer than two fit: CMA-ES needs two.
+    ParameterError if a pattern fits none, if one that fits has no bounds and no positive start, or if fewer than two
+    fit: CMA-ES needs two.
     """
     known = {}
     for role, configuration in configurations.items():
         for each in entries(configuration.parameters):
             if each.type is float and not (each.is_array or each.spec.read_only) and each.name not in BELIEF:
-                name, start = each.name if role == ROLE else f"{role}.{each.name}", float(each.default)
-                known[name] = Free(name, start, *_bounds(start, each.spec.low, each.spec.high))
+                known[each.name if role == ROLE else f"{role}.{each.name}"] = each
     for pattern in patterns:
         if not any(fnmatchcase(name, pattern) for name in known):
             raise unknown_name(f"number of law {law}", pattern, known)
-    found = [free for name, free in known.items() if any(fnmatchcase(name, pattern) for pattern in patterns)]
+    fitting = {name: of for name, of in known.items() if any(fnmatchcase(name, pattern) for pattern in patterns)}
+    found = [_free(law, name, float(of.default), of.spec) for name, of in fitting.items()]
     if len(found) < 2:
         raise ParameterError(
             f"free numbers {quoted(','.join(patterns))} of law {law} mean {len(found)}, allowed are two or more"
@@ -70,7 +71,18 @@ def free_parameters(law: str, configurations: Mapping[str, Configuration], patte
     return found
 
 
-def _bounds(start: float, low: float, high: float) -> tuple[float, float]:
-    if start <= 0.0:
-        return low, high
-    return max(low, start * 10.0**-REACH), min(high, start * 10.0**REACH)
+def _free(law: str, name: str, start: float, spec: Spec) -> Free:
+    """A number within its declared bounds; a positive start has some of its own as well."""
+    low, high = spec.low, spec.high
+    if start > 0.0:
+        low, high = start * 10.0**-REACH, start * 10.0**REACH
+        low = low if spec.low is None else max(low, spec.low)
+        high = high if spec.high is None else min(high, spec.high)
+    if low is None or high is None:
+        raise ParameterError(
+            f"number {name} of law {law} starts at {start:g} and has no bounds on both sides, expected are low= and "
+            "high= where it is declared, or other numbers by --free"
+        )
+    if not low < high:
+        raise ParameterError(f"number {name} of law {law} has nothing between {low:g} and {high:g}, expected a range")
+    return Free(name, start, low, high)
