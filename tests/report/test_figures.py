@@ -11,7 +11,7 @@ import pytest
 
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.command_line.options import arguments, printing
-from ev_sim.figures.other_axes import plan_view
+from ev_sim.figures.other_axes import band, colour_map, mean_of_seeds, plan_view
 from ev_sim.figures.panels import Curve, Panel, level
 from ev_sim.figures.saving import FORMATS, Print, save_figures
 from ev_sim.figures.sheets import COLUMN, TALLEST, WIDE, Sheet, drawn, printed
@@ -200,3 +200,21 @@ def test_details_of_print_without_print_are_refused_before_anything_is_driven():
         with pytest.raises(ParameterError, match=f"^{words[0]} is about figures for print: add --figures pdf or svg$"):
             printing(arguments(["shchur2019", *words]))
     assert printing(arguments(["shchur2019", "--figures", "pdf"])) == Print(("pdf",), COLUMN, ())
+
+
+def test_ticks_of_a_map_tell_its_places_apart():
+    """With three digits 1001 and 1002 are both 1e+03."""
+    places = np.array([1001.0, 1002.0]), np.array([1.0, 2.0])
+    figure = drawn({"map": Sheet([colour_map("m", ("x", places[0]), ("y", places[1]), "1", np.eye(2))])})["map"]
+    axes = figure.axes[0]
+    assert [label.get_text() for label in axes.get_xticklabels()] == ["1001", "1002"]
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["1", "2"]
+
+
+def test_a_band_rises_with_x_and_leaves_out_a_seed_without_a_number():
+    values = np.array([[3.0, 5.0], [1.0, np.nan], [np.nan, np.nan]])
+    figure = drawn({"band": Sheet([band("b", ("x", np.array([2.0, 1.0, 3.0])), "y", values)])})["band"]
+    (line,) = figure.axes[0].lines
+    assert line.get_xdata().tolist() == [1.0, 2.0, 3.0]
+    assert line.get_ydata().tolist()[:2] == [1.0, 4.0] and np.isnan(line.get_ydata()[2])
+    assert mean_of_seeds(np.array([[1.0, 1.0], [np.nan, 2.0]])).tolist() == [1.0, 2.0]

@@ -114,9 +114,9 @@ def at_highest_clean(
 ) -> tuple[dict[str, list[Any]], Driven]:
     """What has to vary for each draw to be driven at its highest clean speed, at the lowest one if none is; and that.
 
-    Speeds are the bounds and 2^`halvings` - 1 between them, evenly. Each draw begins at what the run without draws
-    reaches, times the root of its factor on the friction, as speeds in bends go. Where cleanness comes and goes with
-    the speed this finds one of its ends. A manoeuvre that raises nothing is just driven.
+    Speeds are the lower bound and 2^`halvings` - 1 more, evenly; the upper bound is not driven. Each draw begins at
+    what the run without draws reaches, times the root of its factor on the friction, as speeds in bends go. Where
+    cleanness comes and goes with the speed this finds one of its ends. A manoeuvre that raises nothing is just driven.
     """
     if not manoeuvre.searched:
         return {}, drive(board, manoeuvre, run, vary, threads)

@@ -59,7 +59,7 @@ def colour_map(
     def cells(axes: Axes) -> None:
         shown = axes.pcolormesh(values)
         for axis, places, most in ((axes.xaxis, x[1], 24), (axes.yaxis, y[1], 48)):
-            names = [f"{place:.3g}" for place in places]
+            names = _apart(places)
             every = -(-len(names) * max(map(len, names)) // most)  # letters that have room beside or above each other
             axis.set_ticks((np.arange(len(names)) + 0.5)[::every], names[::every])
         axes.figure.colorbar(shown, ax=axes, label=f"[{unit}]")
@@ -68,23 +68,45 @@ def colour_map(
     return Panel(title, y[0], ground=cells, xlabel=x[0], shape=_SHAPE)
 
 
+def _apart(places: np.ndarray) -> list[str]:
+    """Numbers as texts, with as many digits as tell them apart, three at least."""
+    for digits in range(3, 18):
+        names = [f"{place:.{digits}g}" for place in places]
+        if len(set(names)) == len(np.unique(places)):
+            break
+    return names
+
+
 def _bare(axes: Axes) -> None:
     axes.grid(False)
     axes.spines[:].set_visible(False)
     axes.tick_params(length=0.0)
 
 
+def mean_of_seeds(values: np.ndarray) -> np.ndarray:
+    """The mean along the last axis of those that are no NaN; NaN where none is."""
+    known = ~np.isnan(values)
+    count = known.sum(axis=-1)
+    return np.divide(
+        np.where(known, values, 0.0).sum(axis=-1), count, out=np.full(count.shape, np.nan), where=count > 0
+    )
+
+
 def band(title: str, x: tuple[str, np.ndarray], quantity: str, values: np.ndarray) -> Panel:
-    """The mean over the seeds at each x (n,), with a band from least to largest; the values are (n, seeds)."""
+    """The mean over the seeds at each x (n,), with a band from least to largest; the values are (n, seeds).
+
+    In the order of x, whatever that of the values is; NaN is of a seed that has none.
+    """
+    order = np.argsort(x[1], kind="stable")
+    places, sorted_values = x[1][order], values[order]
 
     def lines(axes: Axes) -> None:
         seeds = values.shape[1]
-        axes.plot(
-            x[1], values.mean(axis=1), color=HUES[0], marker=".", label="mean of the seeds" if seeds > 1 else None
-        )
+        label = "mean of the seeds" if seeds > 1 else None
+        axes.plot(places, mean_of_seeds(sorted_values), color=HUES[0], marker=".", label=label)
         if seeds > 1:
-            ends = values.min(axis=1), values.max(axis=1)
-            axes.fill_between(x[1], *ends, color=HUES[0], alpha=0.2, linewidth=0.0, label="all seeds")
+            ends = np.fmin.reduce(sorted_values, axis=1), np.fmax.reduce(sorted_values, axis=1)
+            axes.fill_between(places, *ends, color=HUES[0], alpha=0.2, linewidth=0.0, label="all seeds")
 
     return Panel(title, quantity, ground=lines, xlabel=x[0])
 

@@ -27,8 +27,9 @@ UPPER, LOWER = 100 / 3.6, 80 / 3.6  # [m/s], between which the coast-down is tim
 
 
 def effective_mass(vehicle: Vehicle) -> float:
-    """Mass and rotating inertias, m + sum (J_w + J_m n^2)/r^2 [kg]."""
-    return vehicle.mass + sum(wheel_inertias(vehicle)) / vehicle.wheel_radius**2
+    """Mass and rotating inertias, m + sum (J_w + J_m n^2)/r^2, of each wheel with its own radius [kg]."""
+    of_wheels = zip(wheel_inertias(vehicle), vehicle.wheel_radius_ratio, strict=True)
+    return vehicle.mass + sum(inertia / ratio**2 for inertia, ratio in of_wheels) / vehicle.wheel_radius**2
 
 
 def decelerations(run: Recording) -> tuple[np.ndarray, np.ndarray]:

@@ -22,9 +22,8 @@ def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequ
     """
 
     def rims(name: str) -> list[Curve]:
-        run, radius = run_named(runs, name), vehicle.wheel_radius
-        turning = ((wheel, radius * channel(run, f"wheel_states.velocity.{wheel}")) for wheel in wheels)
-        return [Curve(run.time, speed, readable(wheel)) for wheel, speed in turning]
+        run = run_named(runs, name)
+        return [Curve(run.time, motion.rim_speed(run, vehicle, wheel), readable(wheel)) for wheel in wheels]
 
     panels = [
         # Without a sign, which would jump where a car that turns round goes across.

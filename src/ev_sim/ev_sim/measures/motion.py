@@ -40,7 +40,15 @@ def total_drive_torque(recording: Recording) -> np.ndarray:
 
 def speed_difference(recording: Recording, vehicle: Vehicle) -> np.ndarray:
     """Right minus left linear speed of the front wheels, (n,) [m/s]; Shchur (2019), eq. 12."""
-    return vehicle.wheel_radius * right_minus_left(recording, "wheel_states.velocity")
+    left, right, _, _ = vehicle.wheel_radius_ratio
+    of_left, of_right = (channel(recording, f"wheel_states.velocity.front_{side}") for side in ("left", "right"))
+    return vehicle.wheel_radius * (right * of_right - left * of_left)
+
+
+def rim_speed(recording: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
+    """Speed of the rim of a wheel, its own radius times its angular velocity, (n,) [m/s]."""
+    radius = vehicle.wheel_radius * vehicle.wheel_radius_ratio[WHEEL_NAMES.index(wheel)]
+    return radius * channel(recording, f"wheel_states.velocity.{wheel}")
 
 
 def hand_torque_step_time(recording: Recording) -> float:

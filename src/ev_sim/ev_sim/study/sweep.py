@@ -14,7 +14,7 @@ import yaml
 
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.command_line.options import add_metrics
-from ev_sim.figures.other_axes import band, colour_map
+from ev_sim.figures.other_axes import band, colour_map, mean_of_seeds
 from ev_sim.figures.panels import IN_FIGURES, readable
 from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.metric import Metric
@@ -197,7 +197,7 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
         shown, factor = IN_FIGURES.get(unit, (unit, 1.0))
         title, (*y, x) = readable(name), axes.items()
         panels.append(
-            colour_map(title, x, y[0], shown, factor * values.mean(axis=2))
+            colour_map(title, x, y[0], shown, factor * mean_of_seeds(values))
             if y
             else band(title, x, f"{title} [{shown}]", factor * values)
         )
