@@ -55,7 +55,7 @@ def fit_motor(file: Path) -> MotorFit:
     The file has columns `speed_rpm`, `torque_nm` (of a motor, both above zero) and the efficiency from inverter to
     shaft; rows without all three are left out. Loss: `ev_core.vehicle.losses`. ParameterError if it has not.
     """
-    columns, digest = read_columns(file)
+    columns, digest, *_ = read_columns(file)
     for name in _COLUMNS:
         if name not in columns:
             raise ParameterError(f"{file}: {unknown_name('column', name, columns)}")

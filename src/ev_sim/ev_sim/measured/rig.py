@@ -59,7 +59,7 @@ def read_rig(paths: list[Path]) -> Sweeps:
     """The sweeps of some files (.csv, .csv.xz, or .mat of the TTC); ParameterError if one is not of this kind."""
     tables, digests = [], []
     for path in paths:
-        columns, digest = _mat(path) if path.suffix == ".mat" else read_columns(path)
+        columns, digest = _mat(path) if path.suffix == ".mat" else read_columns(path)[:2]
         if lacking := [name for name in ("ET", *(n for n, _ in _COLUMNS.values())) if name not in columns]:
             raise ParameterError(f"{path}: lacks {', '.join(lacking)}, allowed is a table of the FSAE TTC (SAE, SI)")
         tables.append(columns)

@@ -111,7 +111,7 @@ def planar_mechanics(folder: Path) -> dict[str, float]:
 
 def _reference(folder: Path, name: str) -> Mapping[str, np.ndarray]:
     """The columns of a result, each instant once."""
-    columns, _ = read_columns(folder / f"{name}.csv.xz")
+    columns, *_ = read_columns(folder / f"{name}.csv.xz")
     columns = {key.strip('"'): values for key, values in columns.items()}
     once = np.append(True, np.diff(columns["Time"]) > 0.0)
     return {key: values[once] for key, values in columns.items()}

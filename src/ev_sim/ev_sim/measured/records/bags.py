@@ -22,8 +22,9 @@ from ev_sim.measured.records.record import (
     LONGITUDINAL_ACCELERATION,
     ROAD_WHEEL_ANGLE,
     YAW_RATE,
-    Sampled,
+    Read,
 )
+from ev_sim.measured.records.samples import Sampled
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
@@ -48,12 +49,11 @@ STANDARD: Mapping[str, Mapping[str, str]] = {
 _ELEMENT = re.compile(r"(?P<array>[\w.]+)\[(?P<element>[^\]]+)\]")
 
 
-def read_columns(bag: Path, wanted: Sequence[str]) -> tuple[dict[str, Sampled], str]:
+def read_columns(bag: Path, wanted: Sequence[str]) -> Read:
     """The numbers TOPIC:FIELD over the stamps of the messages, or over when they came where they have none.
 
-    FIELD has dots; [N] behind an array is its element, of a JointState [JOINT] that of a joint. A message whose stamp
-    is not later than that before is passed over. Returns no hash: a bag may be a folder. ParameterError, in one line,
-    if the bag cannot be read or a column is not there.
+    FIELD has dots; [N] behind an array is its element, of a JointState [JOINT] that of a joint. There is no
+    hash: a bag may be a folder. ParameterError, in one line, if the bag cannot be read or a column is not there.
     """
     by_topic = defaultdict(list)
     for column in wanted:
@@ -72,17 +72,14 @@ def read_columns(bag: Path, wanted: Sequence[str]) -> tuple[dict[str, Sampled], 
             time = (
                 stamp.sec + 1e-9 * stamp.nanosec if stamp is not None and (stamp.sec or stamp.nanosec) else 1e-9 * came
             )
-            of = times[connection.topic]
-            if of and time <= of[-1]:
-                continue
-            of.append(time)
+            times[connection.topic].append(time)
             for column, path in by_topic[connection.topic]:
                 values[column].append(_number(bag, message, column, path))
-    return {
-        column: Sampled(np.array(times[topic]), np.array(values[column]))
-        for topic, of in by_topic.items()
-        for column, _ in of
-    }, ""
+    columns = {}
+    for topic, of in by_topic.items():
+        for column, _ in of:
+            columns[column] = Sampled(np.array(times[topic]), np.array(values[column]))
+    return Read(columns)
 
 
 def is_foreign(bag: Path) -> bool:
@@ -105,7 +102,7 @@ def standard_channels(bag: Path) -> dict[str, str]:
             for channel, field in STANDARD.get(each[1], {}).items():
                 found[channel].append(f"{each[0]}:{field}")
     if LATERAL in found:
-        columns, _ = read_columns(bag, found[LATERAL])
+        columns = read_columns(bag, found[LATERAL]).columns
         found[LATERAL] = [name for name, each in columns.items() if np.any(each.values)]
     for channel in (YAW_RATE, LONGITUDINAL, ROAD_WHEEL_ANGLE):
         if not found[channel]:

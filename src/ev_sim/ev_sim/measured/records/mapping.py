@@ -18,15 +18,18 @@ from ev_sim.measured.records.record import (
     ColumnParameters,
     MaskParameters,
     MeasuredRecord,
-    Sampled,
+    Read,
     measured,
 )
+from ev_sim.measured.records.samples import Sampled
 from ev_sim.measured.records.tables import read_columns
+from ev_sim.measured.records.units import with_unit, without_unit
 from ev_sim.scenarios.parameter_file import read_yaml
 
-_ENTRIES = ("time", "dbc", "channels", "mask")
-_BAGS = (".mcap", ".db3", "")  # the last is a folder
-Reader = Callable[[Path, Sequence[str]], tuple[dict[str, Sampled], str]]
+_ENTRIES = ("time", "dbc", "channel", "channels", "mask")
+_BAGS = (".mcap", ".db3", ".bag", "")  # the last is a folder
+_TABLES = (".csv", ".xz", ".txt", ".tsv")
+Reader = Callable[[Path, Sequence[str]], Read]
 
 
 def read_record(path: Path, mapping: Path) -> MeasuredRecord:
@@ -38,22 +41,24 @@ def read_record(path: Path, mapping: Path) -> MeasuredRecord:
         if name not in known:
             raise ParameterError(f"{mapping}: {unknown_name('channel', name, known)}")
         declared[name] = _declared(mapping, name, about)
-    columns, digest = _reader(path, mapping, given)(path, [each.column for each in declared.values()])
+    read = _reader(path, mapping, given)(path, [each.column for each in declared.values()])
     found = {}
     for name, each in declared.items():
-        if each.column not in columns:
-            raise ParameterError(f"{mapping}: {name}: {unknown_name(f'column of {path}', each.column, columns)}")
-        found[name] = (columns[each.column].scaled(each.factor(name)), each)
-    return measured(str(path), digest, found, build(MaskParameters, given.get("mask") or {}))
+        if each.column not in read.columns:
+            raise ParameterError(f"{mapping}: {name}: {unknown_name(f'column of {path}', each.column, read.columns)}")
+        declared[name] = _in_unit(mapping, name, each, read.units)
+        found[name] = (read.columns[each.column].scaled(declared[name].factor(name)), declared[name])
+    record = measured(str(path), read.digest, found, build(MaskParameters, given.get("mask") or {}))
+    return record.noted(read.notes + without_unit(read.units, declared))
 
 
 def read_standard(bag: Path) -> MeasuredRecord:
     """The record of a bag of standard messages, each sensor at the centre of mass; ParameterError if it is refused."""
     chosen = bags.standard_channels(bag)
-    columns, digest = bags.read_columns(bag, [*chosen.values()])
-    found = {name: (columns[column], ColumnParameters()) for name, column in chosen.items()}
+    read = bags.read_columns(bag, [*chosen.values()])
+    found = {name: (read.columns[column], ColumnParameters()) for name, column in chosen.items()}
     notes = tuple(f"{name} is {column}, taken as measured at the centre of mass" for name, column in chosen.items())
-    record = measured(str(bag), digest, found, MaskParameters())
+    record = measured(str(bag), read.digest, found, MaskParameters())
     return record.noted(notes)
 
 
@@ -74,31 +79,50 @@ def _given(mapping: Path) -> Mapping[str, Any]:
 
 def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
     """What reads the columns of a file with their times; the time of a CSV file and the DBC are in the mapping."""
-    if path.suffix == mdf.SUFFIX and "dbc" not in given and "time" not in given:
+    suffix = path.suffix.lower()
+    if suffix == mdf.SUFFIX and "dbc" not in given and "time" not in given:
         return mdf.read_columns
-    is_log = path.suffix in can_logs.SUFFIXES
-    is_table = not is_log and path.suffix not in _BAGS
-    for name, needed in (("time", is_table), ("dbc", is_log)):
-        if (name in given) != needed:
+    is_log, is_table = suffix in can_logs.SUFFIXES, suffix in _TABLES
+    if not (is_log or is_table or suffix in _BAGS):
+        known = ", ".join((".csv", ".csv.xz", *can_logs.SUFFIXES, *_BAGS[:-1]))
+        raise ParameterError(f"{path}: expected a file ending with {known}, or the folder of a bag")
+    for name, needed, has_use in (("time", is_table, is_table), ("dbc", is_log, is_log), ("channel", False, is_log)):
+        if (needed and name not in given) or (name in given and not has_use):
             use = "needs" if needed else "has no use for"
             raise ParameterError(
-                f"{mapping}: {path.name} {use} {name}: time is that of CSV files, dbc that of CAN logs"
+                f"{mapping}: {path.name} {use} {name}: time is that of CSV files, dbc and channel those of CAN logs"
             )
     if is_log:
         database = mapping.parent / str(given["dbc"])
-        return lambda file, wanted: can_logs.read_columns(file, database, wanted)
+        return lambda file, wanted: can_logs.read_columns(file, database, wanted, str(given.get("channel", "")))
     if not is_table:
         return bags.read_columns
 
-    def table(file: Path, wanted: Sequence[str]) -> tuple[dict[str, Sampled], str]:
-        columns, digest = read_columns(file)
+    def table(file: Path, wanted: Sequence[str]) -> Read:
+        found = read_columns(file)
         declared = _declared(mapping, "time", given["time"])
-        if declared.column not in columns:
-            raise ParameterError(f"{mapping}: time: {unknown_name(f'column of {file}', declared.column, columns)}")
-        time = columns[declared.column] * declared.factor("time")
-        return {name: Sampled(time, values) for name, values in columns.items()}, digest
+        if declared.column not in found.columns:
+            raise ParameterError(
+                f"{mapping}: time: {unknown_name(f'column of {file}', declared.column, found.columns)}"
+            )
+        if declared.column in found.texts:
+            raise ParameterError(
+                f"{file}: {declared.column}: {found.texts[declared.column]}, expected a number for the time"
+            )
+        factor = _in_unit(mapping, "time", declared, found.units).factor("time")
+        time = found.columns[declared.column] * factor
+        columns = {name: Sampled(time, values) for name, values in found.columns.items()}
+        notes = tuple(f"{name}: {what}, passed over" for name, what in found.texts.items() if name in wanted)
+        return Read(columns, found.digest, found.units, notes)
 
     return table
+
+
+def _in_unit(mapping: Path, name: str, declared: ColumnParameters, units: Mapping[str, str]) -> ColumnParameters:
+    try:
+        return with_unit(name, declared, units.get(declared.column, ""))
+    except ParameterError as error:
+        raise ParameterError(f"{mapping}: {name}: {error}") from None
 
 
 def _declared(mapping: Path, name: str, about: Any) -> ColumnParameters:

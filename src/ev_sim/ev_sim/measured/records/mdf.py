@@ -11,15 +11,16 @@ import numpy as np
 
 from ev_core.parameters.data_file import SIGNALS, open_data
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.measured.records.record import Sampled
+from ev_sim.measured.records.record import Read
+from ev_sim.measured.records.samples import Sampled
 
 SUFFIX = ".mf4"
 
 
-def read_columns(file: Path, wanted: Sequence[str]) -> tuple[dict[str, Sampled], str]:
-    """The channels over their times [s] since the file began, and its SHA-256.
+def read_columns(file: Path, wanted: Sequence[str]) -> Read:
+    """The channels over their times [s] since the file began, with its SHA-256 and their units.
 
-    A sample that is not later than the one before is passed over. ParameterError, in one line, if the file cannot be
+    ParameterError, in one line, if the file cannot be
     read, or if a channel is not there, is there more than once, or has no numbers.
     """
     if find_spec("asammdf") is None:
@@ -30,18 +31,17 @@ def read_columns(file: Path, wanted: Sequence[str]) -> tuple[dict[str, Sampled],
         with open_data(file, SIGNALS) as opened:
             digest = hashlib.file_digest(opened, "sha256").hexdigest()
         with MDF(file) as measured:
-            found = {}
+            found, units = {}, {}
             for column in wanted:
                 if column not in measured.channels_db:
                     raise unknown_name(f"channel of {file}", column, sorted(measured.channels_db))
                 signal = measured.get(column)
-                time = np.asarray(signal.timestamps, float)
-                later = np.append(True, time[1:] > np.maximum.accumulate(time)[:-1])
-                found[column] = Sampled(time[later], np.asarray(signal.samples, float)[later])
+                found[column] = Sampled(np.asarray(signal.timestamps, float), np.asarray(signal.samples, float))
+                units[column] = str(signal.unit or "")
     except ParameterError:
         raise
     except OSError as error:
         raise ParameterError(f"{file}: {error.strerror or error}") from None
     except Exception as error:  # whatever the library raises for what is no MDF file, or for an ambiguous name
         raise ParameterError(f"{file}: the file cannot be read: {' '.join(str(error).split())[:200]}") from None
-    return found, digest
+    return Read(found, digest, units)

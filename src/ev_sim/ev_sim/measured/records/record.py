@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
 from ev_core.parameters.declaration import parameter, setting
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_sim.measured.records.samples import Sampled, in_order, jumps, without_spikes
 
 YAW_RATE, LATERAL, LONGITUDINAL = "twist.yaw_rate", "twist.lateral", "twist.longitudinal"
 LATERAL_ACCELERATION, LONGITUDINAL_ACCELERATION = "imu.lateral_acceleration", "imu.longitudinal_acceleration"
@@ -17,11 +20,17 @@ ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE = "steering_column.state.road_wheel_angle
 SIDESLIP = "sideslip"  # [rad], which no topic has
 
 UNITS = {
+    "": 1.0,  # SI
     **{"1": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "m": 1.0, "m/s": 1.0, "km/h": 1 / 3.6, "mph": 0.44704},
     **{"rad": 1.0, "deg": np.pi / 180, "rad/s": 1.0, "deg/s": np.pi / 180, "rpm": np.pi / 30},
     **{"m/s2": 1.0, "g": 9.80665, "N": 1.0, "kN": 1e3, "N m": 1.0, "degC": 1.0, "kPa": 1e3, "cm": 1e-2, "W": 1.0},
 }
-_LONGEST_SPIKE = 10  # instants in which a signal that has jumped away has to be back, else it has jumped for good
+# What noise makes of one instant and the next, and how fast a car changes it: both together are more than any car does.
+_LARGEST_STEP = {
+    **dict.fromkeys((YAW_RATE, "imu.yaw_rate"), (1.0, 20.0)),  # [rad/s], [rad/s^2]
+    **dict.fromkeys((LONGITUDINAL, LATERAL), (3.0, 30.0)),  # [m/s], [m/s^2]
+    **dict.fromkeys((LONGITUDINAL_ACCELERATION, LATERAL_ACCELERATION), (40.0, 0.0)),  # [m/s^2], [m/s^3]
+}
 _FLIPPED = (YAW_RATE, "imu.yaw_rate", LATERAL, LATERAL_ACCELERATION, ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE, SIDESLIP)
 
 
@@ -33,7 +42,11 @@ class ColumnParameters:
         "", about="name in the header of the file; of a bag TOPIC:FIELD, such as /imu:angular_velocity.z; of a CAN log "
         "MESSAGE.SIGNAL"
     )  # fmt: skip
-    unit: str = setting("1", choices=tuple(UNITS), about="of the numbers of the column")
+    unit: str = setting(
+        "",
+        choices=tuple(UNITS),
+        about="of the numbers of the column; empty: that of the DBC or of a row of units, else SI",
+    )
     sign: float = setting(
         1.0, unit="1", low=-1.0, high=1.0, about="-1 for a sensor that is mounted the other way round"
     )
@@ -42,10 +55,14 @@ class ColumnParameters:
     )
     x: float = setting(0.0, unit="m", low=-20.0, high=20.0, about="of the sensor, ahead of the centre of mass")
     y: float = setting(0.0, unit="m", low=-5.0, high=5.0, about="of the sensor, left of the centre of mass")
+    radius: float = setting(
+        0.0, unit="m", low=0.0, high=2.0, about="of the wheel whose speed is in km/h, mph or m/s; 0: it is in rad/s"
+    )
 
     def factor(self, channel: str) -> float:
         """From the numbers of the column to SI and REP-103."""
-        return UNITS[self.unit] * self.sign * (-1.0 if self.frame == "sae" and channel in _FLIPPED else 1.0)
+        factor = UNITS[self.unit] / self.radius if self.radius else UNITS[self.unit]
+        return factor * self.sign * (-1.0 if self.frame == "sae" and channel in _FLIPPED else 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,16 +81,16 @@ class MaskParameters:
     )
 
 
-@dataclass(frozen=True)
-class Sampled:
-    """Values over their times [s], (n,) both."""
+class Read(NamedTuple):
+    """Columns by name, as a reader has found them, and SHA-256 of the file, empty of a folder.
 
-    time: np.ndarray
-    values: np.ndarray
+    `units` are those that the file has, as it writes them, by column; `notes` are about what was passed over.
+    """
 
-    def scaled(self, factor: float) -> Sampled:
-        """The same in another unit."""
-        return replace(self, values=factor * self.values)
+    columns: dict[str, Sampled]
+    digest: str = ""
+    units: Mapping[str, str] = MappingProxyType({})
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -114,13 +131,15 @@ def measured(
     """The record of columns in SI and REP-103, at the places of their sensors, each over its own times.
 
     Its instants are as far apart as the samples of the yaw rate, or of the first column, from the instant on at which
-    all columns have begun to that at which the first ends. ParameterError if they have no such instants.
+    all columns have begun to that at which the first ends. Samples whose times do not increase are passed over.
+    ParameterError if there are no such instants, or if most of the times do not increase.
     """
     if not columns:
         raise ParameterError(f"{source}: no channel of it is known")
+    samples, passed_over = in_order(source, {name: each for name, (each, _) in columns.items()})
+    samples, spikes = without_spikes(samples, _LARGEST_STEP)
+    columns = {name: (samples[name], declared) for name, (_, declared) in columns.items()}
     for name, (each, _) in columns.items():
-        if len(each.time) < 2 or not np.isfinite(each.time).all() or (np.diff(each.time) <= 0.0).any():
-            raise ParameterError(f"{source}: the time of {name} does not increase, or there are less than two instants")
         if np.isfinite(each.values).sum() < 2:
             raise ParameterError(f"{source}: {name} has less than two finite numbers")
     clock = columns.get(YAW_RATE, next(iter(columns.values())))[0].time
@@ -141,8 +160,8 @@ def measured(
     for name in (ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE):
         if name in channels:
             limit = mask.steering_rate * (16.0 if name == STEERING_WHEEL_ANGLE else 1.0)
-            valid &= ~_jumps(channels[name], limit * period)
-    notes = _bridge(channels, valid, max(int(mask.bridge / period + 0.5), 0))
+            valid &= ~jumps(channels[name], limit * period)
+    notes = passed_over + spikes + _bridge(channels, valid, max(int(mask.bridge / period + 0.5), 0))
     if SIDESLIP not in channels and {LATERAL, LONGITUDINAL} <= channels.keys():
         channels[SIDESLIP] = sideslip(channels[LONGITUDINAL], channels[LATERAL], channels[LONGITUDINAL])
     return MeasuredRecord(source, digest, float(begin), period, channels, valid, notes)
@@ -175,20 +194,6 @@ def _move_to_centre(channels: dict[str, np.ndarray], declared: Mapping[str, Colu
             LONGITUDINAL_ACCELERATION: x * yaw_rate**2 + y * yaw,
             LATERAL_ACCELERATION: -x * yaw + y * yaw_rate**2,
         }.get(name, 0.0)
-
-
-def _jumps(values: np.ndarray, limit: float) -> np.ndarray:
-    """Where a series jumps away, up to where it is back; a jump that does not come back is one instant."""
-    jumped = np.zeros(len(values), bool)
-    behind = 0
-    for edge in np.flatnonzero(np.abs(np.diff(values)) > limit):
-        if edge < behind:
-            continue
-        after = values[edge + 1 : edge + 2 + _LONGEST_SPIKE]
-        back = np.flatnonzero(np.abs(after - values[edge]) < 3.0 * limit)
-        behind = edge + 1 + (int(back[0]) if len(back) else 1)
-        jumped[edge + 1 : behind] = True
-    return jumped
 
 
 def _bridge(channels: dict[str, np.ndarray], valid: np.ndarray, most: int) -> tuple[str, ...]:
