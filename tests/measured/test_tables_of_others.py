@@ -103,7 +103,7 @@ def test_a_clock_reading_ahead_or_behind_costs_one_row(tmp_path):
 
 
 def test_a_clock_that_was_set_late_or_runs_backwards_is_named(tmp_path):
-    """The first 100 rows are of the day before: they are passed over. Where most rows do not increase, nothing is read."""
+    """The first 100 rows are of the day before and passed over. Where most do not increase, nothing is read."""
     columns = columns_of(driven())
     columns["t"][100:] += 1e8
     record = read_record(write(tmp_path, columns), tmp_path / "made.yaml")
