@@ -5,6 +5,8 @@ from __future__ import annotations
 import random
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from ev_core.bus.checking import (
     INITIAL,
@@ -146,3 +148,64 @@ def test_compiled_code_says_the_same():
 
 def test_the_counter_is_where_the_protection_puts_it():
     assert [counter_of(frame(c)) for c in range(15)] == list(range(15))
+
+
+def test_frames_with_a_wrong_crc_ask_for_no_synchronising():
+    """Repeated frames and cycles without one do, after five of them; by the standard a damaged one is neither."""
+    s = in_step(0, 1, 2)
+    for counter in range(3, 10):
+        assert heard(s, frame(counter) ^ 1) == WRONG_CRC
+    assert heard(s, frame(10)) == OK_SOME_LOST
+
+
+class Reference:
+    """E2E_P01Check as the standard describes it, by its own names."""
+
+    def __init__(self) -> None:
+        self.wait, self.last, self.most, self.not_new, self.sync = True, 0, 0, 0, 0
+
+    def status(self, counter: int | None, is_damaged: bool) -> int:
+        """None: no new data."""
+        self.most = min(self.most + 1, 14)
+        if counter is None:
+            self.not_new = min(self.not_new + 1, 14)
+            return NO_NEW_DATA
+        if is_damaged:
+            return WRONG_CRC
+        delta = (counter - self.last) % 15
+        if not self.wait and delta == 0:
+            self.not_new = min(self.not_new + 1, 14)
+            return REPEATED
+        in_sequence, first = delta <= self.most, self.wait
+        self.wait, self.last, self.most = False, counter, 3
+        if first:
+            return INITIAL
+        many, self.not_new = self.not_new > 5, 0
+        if not in_sequence:
+            self.sync = 1
+            return WRONG_SEQUENCE
+        if many:
+            self.sync = 1
+            return SYNC
+        if self.sync > 0:
+            self.sync -= 1
+            return SYNC
+        return OK if delta == 1 else OK_SOME_LOST
+
+
+_CYCLES = st.lists(st.tuples(st.none() | st.integers(0, 14) | st.just(-1), st.booleans()), max_size=60)
+
+
+@given(_CYCLES)
+@settings(max_examples=500, deadline=None)
+def test_every_sequence_of_frames_is_judged_as_the_standard_has_it(cycles):
+    """No frame, any counter, the next one, damaged or not."""
+    s, reference, last = CheckState(), Reference(), 0
+    for counter, is_damaged in cycles:
+        counter = next_counter(last) if counter == -1 else counter
+        if counter is None:
+            found = no_new_data(s)
+        else:
+            found = heard(s, frame(counter) ^ (0x100000 if is_damaged else 0))
+            last = counter
+        assert found == reference.status(counter, is_damaged)

@@ -76,10 +76,22 @@ def test_the_same_export_is_replaced_and_a_changed_file_is_not(folder):
     header.write_bytes(before[header.name])
 
 
-@pytest.mark.skipif(not shutil.which("arm-none-eabi-gcc"), reason="arm-none-eabi-gcc is not installed")
-def test_a_law_is_made_for_a_processor_without_system(tmp_path):
-    perform([*LAW, "--target", "thumbv7em", "--out", str(tmp_path)])
-    assert not [*tmp_path.glob("*_program.c")]  # nothing there runs one
+@pytest.mark.parametrize("target", targets.TARGETS.values(), ids=lambda target: target.name)
+@pytest.mark.parametrize("way", ["README.md", "CMakeLists.txt"])
+def test_both_printed_ways_of_building_work_for_every_target(target, way, tmp_path):
+    """And what they build runs where there is an emulator: it creates the law without complaint."""
+    if lacking := [each for each in (target.compiler, "cmake") if not shutil.which(each)]:
+        pytest.skip(f"{lacking[0]} is not installed")
+    perform([*LAW, "--target", target.name, "--out", str(tmp_path)])
+    pattern = r"^\S*gcc .*$" if way == "README.md" else r"cmake -B .*$"
+    (line,) = re.findall(pattern, (tmp_path / way).read_text(), re.MULTILINE)
+    done = subprocess.run(line, shell=True, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    built = "program*" if way == "README.md" else "build/evs_*_program*"
+    (program,) = (file for file in tmp_path.glob(built) if file.is_file())
+    if target.system != "Windows" and shutil.which((*target.emulator, "sh")[0]):
+        answer = subprocess.run([*target.emulator, program], input=b"c", capture_output=True, timeout=60).stdout
+        assert answer[:4] == bytes(4)
 
 
 _WITH_A_LIST = """

@@ -18,6 +18,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.export import program as exported
 from ev_sim.export.content import Content
 from ev_sim.export.counting import counted
+from ev_sim.export.library import Library
 from ev_sim.export.program import Program, build_program
 from ev_sim.export.targets import TARGETS
 from ev_sim.interface.driving import only_run, overrides
@@ -85,13 +86,41 @@ def same_bits(one: np.ndarray, other: np.ndarray) -> bool:
     return one.tobytes() == other.tobytes()
 
 
-@pytest.mark.parametrize("target", ["x86_64-linux", "aarch64-linux", "arm-linux"])
+@pytest.mark.parametrize("target", ["x86_64-linux", "aarch64-linux", "arm-linux", "thumbv7em"])
 def test_a_law_answers_with_the_same_bits(target, content, tmp_path):
     if lacking := missing(target):
         pytest.skip(f"{lacking} is not installed")
     with Program(content, build_program(content, TARGETS[target], tmp_path)) as program:
         program.create()
         assert same_bits(answers_of(content, program), answers_here(content, law()))
+
+
+def test_a_law_on_a_cortex_m7_has_the_bits_and_the_instructions_of_that_on_an_m4(content, tmp_path):
+    """Without a system, twice in a row; the same code runs on both, so it takes as many instructions."""
+    if lacking := missing("thumbv7em"):
+        pytest.skip(f"{lacking} is not installed")
+    words, took = build_program(content, TARGETS["thumbv7em"], tmp_path), []
+    for board in ("mps2-an386", "mps2-an500", "mps2-an500"):
+        with Program(content, [board if word == "mps2-an386" else word for word in words]) as program:
+            program.create()
+            assert same_bits(answers_of(content, program), answers_here(content, law()))
+            took.append(program.measured)
+    assert took[0] == took[1] == took[2]
+    assert took[0].error == 0
+    assert 1000 < took[0].instructions_a_step < 100_000  # float64 is arithmetic of the C compiler there
+    assert 0 < took[0].stack < 8192
+
+
+def test_a_board_counts_what_is_executed(content, tmp_path):
+    """A hundred thousand instructions, the loop around them, and reading the counter, which takes a division."""
+    if lacking := missing("thumbv7em"):
+        pytest.skip(f"{lacking} is not installed")
+    target, library = TARGETS["thumbv7em"], Library(content, "known")
+    start, memory = library.write(tmp_path, target, ["board.c", "board.ld"])
+    (source := tmp_path / "known.c").write_text(_KNOWN_ON_A_BOARD)
+    program = target.program([source, start], tmp_path / "known", [*target.linking, "-T", str(memory)])
+    found = subprocess.run([*target.emulator, program], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, timeout=60)
+    assert 100_000 <= int(found.stdout) <= 100_000 + 300
 
 
 def test_an_emulator_counts_each_program_for_itself(content, tmp_path):
@@ -145,6 +174,20 @@ int main(int count, char **words)
     uint64_t first = now();
     for (int i = 0; i < 10; i++) __asm__ volatile(".rept 1000\\n nop\\n .endr");
     printf("%d", (int)(now() - first));
+    return 0;
+}
+"""
+
+
+_KNOWN_ON_A_BOARD = """
+#include <stdint.h>
+#include <stdio.h>
+uint64_t board_instructions(void);
+int main(void)
+{
+    uint64_t first = board_instructions();
+    for (int i = 0; i < 10; i++) __asm__ volatile(".rept 10000\\n nop\\n .endr");
+    printf("%d", (int)(board_instructions() - first));
     return 0;
 }
 """

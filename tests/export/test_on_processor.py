@@ -27,7 +27,7 @@ SOURCES = (
     ("urban_mixed", "", "asr", "least_squares", 16.1),
     ("zhileykin2018", "k1_estimated", "electronic_differential", "axle_redistribution", 2.6),
 )
-EMULATORS = {"x86_64": "gcc", "aarch64": "qemu-aarch64", "arm": "qemu-arm"}
+EMULATORS = {"x86_64": "gcc", "aarch64": "qemu-aarch64", "arm": "qemu-arm", "thumbv7em": "qemu-system-arm"}
 
 
 def run(*faults: str):

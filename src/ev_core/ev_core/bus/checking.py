@@ -69,10 +69,8 @@ def check(c: CheckSettings, s: CheckState, payload: int, length: int, data_id: i
     s.max_delta_counter = min(s.max_delta_counter + 1.0, _LARGEST_COUNT)
     counter = counter_of(payload)
     if payload & 0xFF != checksum(payload, length, data_id) or counter >= COUNTERS:
-        if s.wait_for_first_data != 0.0:
-            s.status = float(WRONG_CRC)
-            return WRONG_CRC
-        return _not_new(s, WRONG_CRC)
+        s.status = float(WRONG_CRC)  # neither new nor repeated: the counter of those goes on with neither
+        return WRONG_CRC
     if s.wait_for_first_data != 0.0:
         s.wait_for_first_data = 0.0
         _take(c, s, counter)

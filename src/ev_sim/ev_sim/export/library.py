@@ -157,7 +157,7 @@ def write_library(content: Content, name: str, target: Target, directory: Path) 
     files of others in the folder.
     """
     library = Library(content, name)
-    if not target.runs:
+    if target.board:
         for role in content.roles:
             if ROLES[role].kind is not RoleKind.ANSWERS:
                 raise ParameterError(f"{role} is refused for target {target.name}, allowed are roles that answer")
@@ -176,7 +176,7 @@ def write_library(content: Content, name: str, target: Target, directory: Path) 
             "methods": [f"{role} {content.run.configurations[role].method.name}" for role in content.roles],
             **library.sizes(objects),
         }
-        templates = ["CMakeLists.txt", "README.md", *(["program.c"] if target.runs else [])]
+        templates = ["CMakeLists.txt", "README.md", "program.c", *(["board.c", "board.ld"] if target.board else [])]
         written = [*sources, archive, *library.write(folder, target, templates, **more)]
         with OutputFolder(directory, f"export {name}", [file.name for file in written]) as output:
             for file in written:

@@ -25,7 +25,7 @@ from ev_sim.export.targets import TARGETS, target_of
 from ev_sim.scenarios.scenario import Run
 
 # Emulated here; anything else is the command of a program on a processor of the user's.
-EMULATED = {name.removesuffix("-linux"): name for name, target in TARGETS.items() if name.endswith("-linux")}
+EMULATED = {name.removesuffix("-linux"): name for name, target in TARGETS.items() if target.system != "Windows"}
 
 
 class OnProcessor:
@@ -52,7 +52,8 @@ class OnProcessor:
             target = target_of(EMULATED[where])
             if target.emulator and not shutil.which(target.emulator[0]):
                 raise ParameterError(
-                    f"processor {where}: {target.emulator[0]} is not installed; Debian has it in qemu-user"
+                    f"processor {where}: {target.emulator[0]} is not installed; Debian has it in "
+                    f"{'qemu-system-arm' if target.board else 'qemu-user'}"
                 )
 
     @cached_property
@@ -63,7 +64,7 @@ class OnProcessor:
         self._folder = tempfile.TemporaryDirectory()
         folder, target = Path(self._folder.name), TARGETS[EMULATED[self.where]]
         command = build_program(self.content, target, folder)
-        if not target.emulator:
+        if not target.emulator or target.board:  # a board counts by itself
             return command
         try:
             return counted(command, folder)

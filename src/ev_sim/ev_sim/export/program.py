@@ -72,8 +72,12 @@ def build_program(content: Content, target: Target, folder: Path) -> list[str]:
     library = Library(content, _NAME)
     objects = library.objects(target, folder)
     templates = ["model.h", "constants.h", "model.c", "program.c"]
+    linking = [*target.linking]
+    if target.board:
+        templates.append("board.c")
+        linking += ["-T", *map(str, library.write(folder, target, ["board.ld"]))]
     sources = library.write(folder, target, templates, **library.sizes(objects))
-    program = target.program([*objects, *sources[2:]], folder / f"{_NAME}_program", (*_OPTIONS, *target.linking))
+    program = target.program([*objects, *sources[2:]], folder / f"{_NAME}_program", (*_OPTIONS, *linking))
     return [*target.emulator, str(program)]
 
 

@@ -30,7 +30,7 @@ class Target:
     """A processor with its system, its C compiler and that one's `options`; `package` is Debian's.
 
     Programs are linked with `linking`: on Linux all functions are found at the start, so that no step looks for one.
-    `emulator` runs its programs here, where `runs` says that it has programs at all.
+    `emulator` runs its programs here. A `board` has no system: a program there brings its own start and memory map.
     """
 
     name: str
@@ -42,7 +42,7 @@ class Target:
     linking: tuple[str, ...] = ("-Wl,-z,now",)
     system: str = "Linux"
     emulator: tuple[str, ...] = ()
-    runs: bool = True
+    board: bool = False
 
     @property
     def compiler(self) -> str:
@@ -116,9 +116,13 @@ TARGETS = {
             "arm-none-eabi-",
             "gcc-arm-none-eabi",
             ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"),
-            linking=(),
+            linking=("--specs=rdimon.specs", "-nostartfiles"),
             system="Generic",
-            runs=False,
+            emulator=(
+                *("qemu-system-arm", "-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "none"),
+                *("-semihosting-config", "enable=on,target=native", "-icount", "shift=10", "-kernel"),
+            ),
+            board=True,
         ),
     )
 }

@@ -14,13 +14,15 @@
  *
  * It ends with its input; status 1 means a letter that is not known. An emulator that counts instructions gives the
  * descriptor of a file as the only word, whose first 8 bytes are that count; else the processor's own counter is
- * asked for, through Linux.
+ * asked for, through Linux, or on a board its timer.
  */
 #include "{{ name }}.h"
 
 #include <stdio.h>
+{% if not target.board %}
 #include <stdlib.h>
 #include <time.h>
+{% endif %}
 #ifdef __linux__
 #include <errno.h>
 #include <linux/perf_event.h>
@@ -67,6 +69,17 @@ static __attribute__((noinline)) uint32_t below_gap(enum what what)
 
 static int32_t error; /* why instructions are not counted */
 
+{% if target.board %}
+/* Of {{ name }}_board.c. */
+uint64_t board_instructions(void);
+uint64_t board_nanoseconds(void);
+
+static void open_counter(const char *) {}
+
+static uint64_t instructions(void) { return board_instructions(); }
+
+static uint64_t clock_ns(void) { return board_nanoseconds(); }
+{% else %}
 #ifdef __linux__
 static const volatile uint64_t *emulated; /* what an emulator has counted */
 static int counter = -1;                  /* of the processor */
@@ -115,6 +128,7 @@ static uint64_t clock_ns(void)
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
+{% endif %}
 
 typedef struct {
     uint64_t nanoseconds, instructions;
