@@ -114,6 +114,11 @@ def test_a_batch_refuses_what_it_cannot_measure_before_it_drives():
             ev_sim.batch("shchur2019", metrics=[metric], duration=1e3)
 
 
+def test_a_batch_names_what_only_reports_measure():
+    with pytest.raises(ParameterError, match=r"^metric cones_hit is one of the report double_lane_change, expected"):
+        ev_sim.batch("double_lane_change", metrics=["cones_hit"], duration=1e3)
+
+
 def test_torque_activity_friction_use_and_battery_energy_are_what_they_say():
     """Two wheels go to and fro by 10 N m in 2 s: 2 x 20/2 = 20 N m/s; 300 N and 400 N of 0.5 x 1000 N; 10 W for 2 s."""
     time = np.array([0.0, 1.0, 2.0])

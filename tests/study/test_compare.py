@@ -7,6 +7,7 @@ import dataclasses
 import json
 import math
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -227,3 +228,28 @@ def test_command_line(tmp_path, capsys):
     assert summary["metrics"]["drive_energy_equal_torque"]["value"] > 0.0
     assert {path.name for path in tmp_path.glob("*.png")} == {"overlay.png", "paths.png"}
     assert "not driven: slip_target: " in capsys.readouterr().out
+
+
+OWN_LAW = Path(__file__).parents[2] / "docs" / "examples" / "yaw_moment.py"
+
+
+def test_a_law_file_stands_beside_methods(tmp_path, capsys):
+    """Under the name of the file, as on a board; the same file once more under a name of its own."""
+    words = ["compare", "--scenario", "step_steer", "--duration", "0.1", "--workers", "1", "--out", str(tmp_path)]
+    run_scenario([*words, "--methods", f"equal_torque,{OWN_LAW}"])
+    assert list(json.loads((tmp_path / "summary.json").read_text())["cases"]) == ["equal_torque", "yaw_moment"]
+    copy = tmp_path / "yaw_moment.py"
+    copy.write_bytes(OWN_LAW.read_bytes())
+    with pytest.raises(ParameterError, match=r"are both called yaw_moment, expected two names$"):
+        compare.cases(asked(methods=f"{OWN_LAW},{copy}"))
+    with pytest.raises(ParameterError, match=r"none\.py"):
+        compare.cases(asked(methods="none.py"))
+
+
+def test_a_law_file_is_swept(tmp_path, capsys):
+    """By its path beside a method; what was driven before is taken again."""
+    words = ["sweep", "step_steer", "--vary", f"electronic_differential.method=equal_torque,{OWN_LAW}"]
+    words += ["--duration", "0.1", "--workers", "1", "--out", str(tmp_path)]
+    run_scenario(words)
+    run_scenario(words)
+    assert "2 of them driven before" in capsys.readouterr().out

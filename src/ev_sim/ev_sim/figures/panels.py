@@ -181,7 +181,7 @@ MOTION: dict[str, tuple[str, str, Quantity]] = {
     ),
     "yaw_rate": ("Yaw rate", "yaw rate [deg/s]", degrees(lambda run: channel(run, motion.YAW_RATE))),
     "lateral_acceleration": ("Lateral acceleration", "acceleration [m/s²]", motion.lateral_acceleration_on_path),
-    "sideslip_angle": ("Sideslip angle", "angle [deg]", degrees(motion.sideslip_angle)),
+    "sideslip_angle": ("Sideslip angle", "angle [deg]", degrees(motion.sideslip_in_motion)),
     "speed": ("Speed", "speed [m/s]", motion.path_speed),
 }
 

@@ -13,6 +13,8 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.batches.batch import BatchResult
 from ev_sim.batches.batch import batch as batch_of
 from ev_sim.batches.observer import Reduction
+from ev_sim.measures.registry import METRICS
+from ev_sim.report.reports import known_metrics
 from ev_sim.report.result import Result
 from ev_sim.running.beforehand import compile_for
 from ev_sim.running.offline import drive_offline
@@ -79,6 +81,14 @@ def batch(
     several. From `method` on the arguments are those of `run`, the rest is that of `ev_sim.batches.batch.batch`.
     """
     of = only_run(scenario, run, overrides(method, set, seed, duration, vehicle, params, cycle))
+    if metrics and not isinstance(metrics, Mapping):
+        of_report = known_metrics([of])
+        for name in metrics:
+            if name in of_report and name not in METRICS and "=" not in name:
+                raise ParameterError(
+                    f"metric {name} is one of the report {of.report}, expected in a batch are those of any run "
+                    "(docs/metrics.md) and expressions; ev_sim.run and a sweep measure those of reports"
+                )
     return batch_of(of.configurations, of.duration, vary, initial_states, signals, every, metrics, threads)
 
 

@@ -62,7 +62,10 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
                 "largest magnitude across the path, on the course",
             ),
             "peak_sideslip_angle": metric(
-                lambda: largest(motion.sideslip_angle), "rad", "max |beta| on the course", LOWER
+                lambda: largest(lambda run: np.where(motion.moving(run), motion.sideslip_angle(run), 0.0)),
+                "rad",
+                "max |beta| on the course while the car moves",
+                LOWER,
             ),
             "peak_yaw_rate": metric(lambda: of_channel(motion.YAW_RATE), "rad/s", "max |r| on the course", LOWER),
             "peak_steering_wheel_angle": metric(

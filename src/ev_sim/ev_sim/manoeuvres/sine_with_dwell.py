@@ -16,6 +16,7 @@ from ev_core.vehicle.car import GRAVITY
 from ev_sim.figures.panels import Curve, motion_panels, over_time, panel, readable
 from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
+from ev_sim.measures.handling import peak_sideslip
 from ev_sim.measures.metric import HIGHER, LOWER, Metric, NotJudged, NotMeasured, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.slow_ramp import angle_at
@@ -61,7 +62,7 @@ def metrics(runs: Runs) -> dict[str, Metric]:
             HIGHER,
         )
         result[f"{name}_peak_sideslip_angle"] = metric(
-            lambda run=run: np.abs(motion.sideslip_angle(run)).max(), "rad", "max |beta|", LOWER
+            lambda run=run: peak_sideslip(run), "rad", "max |beta| while the car moves", LOWER
         )
         result[f"{name}_passed"] = metric(
             lambda name=name: _passes(name, runs), "1", "1: within the limits of FMVSS 126; else 0", HIGHER
@@ -79,7 +80,7 @@ def figures(runs: Runs) -> dict[str, Sheet]:
             sines,
             "Sideslip angle; a car that spins leaves the panel",
             "angle [deg]",
-            lambda run: np.degrees(np.unwrap(motion.sideslip_angle(run))),
+            lambda run: np.degrees(motion.sideslip_in_motion(run, continuous=True)),
             within=(-SHOWN_SIDESLIP, SHOWN_SIDESLIP),
         ),
         over_time(sines, "Lateral displacement", "y [m]", lambda run: channel(run, "pose.y")),

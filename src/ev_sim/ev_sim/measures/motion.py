@@ -118,6 +118,15 @@ def sideslip_angle(run: Recording) -> np.ndarray:
     return np.arctan2(across, along)
 
 
+def sideslip_in_motion(run: Recording, continuous: bool = False) -> np.ndarray:
+    """The same where the car moves, (n,) [rad]; NaN at rest, where a velocity of rounding errors has any direction.
+
+    A `continuous` one goes on beyond half a turn.
+    """
+    angle = np.unwrap(sideslip_angle(run)) if continuous else sideslip_angle(run)
+    return np.where(moving(run), angle, np.nan)
+
+
 def lateral_acceleration_on_path(run: Recording) -> np.ndarray:
     """Acceleration of the centre of mass across its path, level, left positive, (n,) [m/s^2]; ISO 8855 centripetal."""
     sideslip = sideslip_angle(run)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ev_core.lockstep.finding import find_method, is_code
 from ev_core.methods.register import methods_of
-from ev_msgs_py.refusal import unknown_name
+from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.command_line.options import add_metrics
 from ev_sim.figures.other_axes import plan_view
 from ev_sim.figures.panels import Curve, Panel, readable
@@ -38,7 +40,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Which scenario, which of its runs, which methods."""
     parser.add_argument("--scenario", default="double_lane_change", help="default: %(default)s")
     parser.add_argument("--run", default="", help="of a scenario with several runs; default: the first")
-    parser.add_argument("--methods", default=ALL, metavar="NAME,NAME", help="default: all that are registered")
+    parser.add_argument(
+        "--methods", default=ALL, metavar="NAME,NAME", help="or my_law.py[:NAME]; default: all that are registered"
+    )
     add_metrics(parser, f"default: {', '.join(QUANTITIES)}")
 
 
@@ -47,15 +51,27 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
     run = run_of_command(given)
     known = methods_of(ROLE)
     chosen = list(known) if given.methods == ALL else given.methods.split(",")
-    for name in chosen:
-        if name not in known:
-            raise unknown_name(f"{ROLE} method", name, known)
+    names = {}
+    for method in dict.fromkeys(chosen):
+        if not is_code(method) and method not in known:
+            raise unknown_name(f"{ROLE} method", method, known)
+        find_method(ROLE, method)
+        name = _name_of(method)
+        if name in names:
+            raise ParameterError(f"--methods: {names[name]} and {method} are both called {name}, expected two names")
+        names[name] = method
     # The usual ones are measured where they can be, those that are asked for have to be.
     metrics = further_metrics(run, listed(given.metrics) or QUANTITIES, bool(given.metrics))
     return [
-        Case(name, given.scenario, ((ROLE, "method", name),), run.name, metrics=metrics)
-        for name in dict.fromkeys(chosen)
+        Case(name, given.scenario, ((ROLE, "method", method),), run.name, metrics=metrics)
+        for name, method in names.items()
     ]
+
+
+def _name_of(method: str) -> str:
+    """The name of a method in tables and figures: of a file that of the chosen law, or of the file."""
+    code, _, chosen = method.partition(":")
+    return (chosen or Path(code).stem) if is_code(method) else method
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
@@ -66,7 +82,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
         "x": channel(recording, "pose.x"),
         "y": channel(recording, "pose.y"),
         "yaw_rate": channel(recording, motion.YAW_RATE),
-        "sideslip": np.degrees(motion.sideslip_angle(recording)),
+        "sideslip": np.degrees(motion.sideslip_in_motion(recording)),
         "speed": motion.path_speed(recording),
         "torque_difference": _right_minus_left(recording),
     }

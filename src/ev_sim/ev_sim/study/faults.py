@@ -146,7 +146,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
         deviation[n] = along_x * (y - path.y[leg]) - along_y * (x - path.x[leg])
     speed = channel(recording, "twist.longitudinal")
     yaw_rate = np.degrees(channel(recording, motion.YAW_RATE) - wanted.curvature[-1] * speed)
-    sideslip = np.degrees(motion.sideslip_angle(recording))
+    sideslip = np.degrees(np.where(motion.moving(recording), motion.sideslip_angle(recording), 0.0))
     return {
         "path_error": float(np.abs(deviation[after]).max()),
         "yaw_rate_error": float(np.abs(yaw_rate[after]).max()),
