@@ -6,8 +6,8 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
-from ev_core.methods import register as module
-from ev_core.methods.register import offered, offered_module
+from ev_core.methods import offered as module
+from ev_core.methods.offered import offered, offered_module
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import load_scenario

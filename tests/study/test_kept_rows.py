@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ev_core.lockstep import finding
+from ev_core.methods import offered as entry_points
 from ev_core.methods import register
 from ev_core.parameters.data_file import files_read, find_in_config
 from ev_sim.recording.outcome import RunFailed
@@ -101,9 +102,9 @@ def folder(tmp_path_factory) -> Iterator[Path]:
     (made / "reported.yaml").write_text(own.replace("vehicle: audi_a2", "report: row_source"))
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(made)
-        offered = {group: {**register.offered(group), "row_source": module} for group, module in OFFERED.items()}
+        offered = {group: {**entry_points.offered(group), "row_source": module} for group, module in OFFERED.items()}
         for module in (digests, about):
-            patch.setattr(module, "offered", lambda group: offered.get(group) or register.offered(group))
+            patch.setattr(module, "offered", lambda group: offered.get(group) or entry_points.offered(group))
         importlib.import_module("row_law")
         yield made
         del register._REGISTER["asr"]["row_law"], sys.modules["row_law"]

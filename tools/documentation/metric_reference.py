@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 from documentation.markdown import code, codes, table
-from ev_core.methods.register import offered
+from ev_core.methods.offered import offered
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.measures.expression import ELEMENTWISE, OVER_TIME, REDUCTIONS
 from ev_sim.measures.metric import Metric

@@ -33,11 +33,12 @@ def fingerprint(*roots: Any) -> str:
 class Reach:
     """All that some functions and values reach: by the names in their code, through modules, defaults and closures.
 
-    `digits` are its digest, `functions` those that were found.
+    `digits` are its digest, `functions` those that were found, `made` what numba has made of some of them.
     """
 
     def __init__(self, *roots: Any) -> None:
         self.functions: dict[int, FunctionType] = {}
+        self.made: list[Any] = []
         self._looked_up: list[tuple[Mapping[str, Any], str, Any]] = []
         self._made_of: list[tuple[FunctionType, tuple[Any, ...]]] = []
         self._arrays: list[tuple[np.ndarray | np.generic, bytes]] = []
@@ -59,6 +60,8 @@ class Reach:
     def _followed(self, found: Any) -> Iterator[Any]:
         """Tell the digest what was found, and give what it leads to."""
         function = _written(found)
+        if isinstance(function, FunctionType) and function is not found:
+            self.made.append(found)
         if isinstance(found, tuple | list):
             self._tell(_constant(type(found)), len(found))
             yield from found

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
@@ -194,6 +194,37 @@ def forget_made_of(functions: Sequence[Callable[..., Any]]) -> None:
     for known in functions:
         for template in typing.resolve_value_type(known).templates:
             template._impl_cache.clear()
+
+
+_replaced: list[Any] = []  # machine code of C functions, whose addresses others may hold
+
+
+def make_anew(made: Iterable[Any]) -> None:
+    """Let numba make anew what it has made of functions of others (njit, cfunc, vectorize, methods of a jitclass).
+
+    Callees come first. The numbers that these take from their modules were those of another time, and nobody has asked
+    for checks of indices. Such code of numba's own files on disk is not taken either.
+    """
+    config: Any = import_module("numba").config
+    before, config.BOUNDSCHECK = config.BOUNDSCHECK, 1
+    try:
+        for each in made:
+            if hasattr(each, "recompile"):
+                each.recompile()
+            elif hasattr(each, "native_name"):
+                _replaced.append(each._library)
+                each._cache.flush()
+                each.compile()
+            elif hasattr(each, "_dispatcher"):
+                of = each._dispatcher
+                kinds = [*of.overloads]
+                _replaced.append(of.overloads.copy())
+                of.overloads.clear()
+                of.cache.flush()
+                for kind in kinds:
+                    of.compile(kind)
+    finally:
+        config.BOUNDSCHECK = before
 
 
 # options: what numba knows of what it has made, and no text shows. Plain: it is another one in each process, so that

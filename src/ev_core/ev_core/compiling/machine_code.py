@@ -218,6 +218,11 @@ def register_functions() -> None:
     _reached = Reach(*FUNCTIONS)
 
 
+def _make_anew(reach: Reach) -> None:
+    """See to it that what numba has made of functions of others is made of what they are now."""
+    inside_numba.make_anew(sorted(reach.made, key=lambda each: len(Reach(each).functions)))
+
+
 def _keep(function: Any, key: str, reach: Reach) -> None:
     def file(kinds: str) -> Path:
         return kept_file(key, f"{hashlib.sha256(kinds.encode()).hexdigest()[:12]}.numba")
@@ -243,6 +248,7 @@ def compiled_address(key: str, text: str, names: dict[str, Any]) -> int:
     if it cannot be called like this.
     """
     _say_compiling(key)
+    _make_anew(reach_of(text, names))
     with inside_numba.only_machine_code_of("step"):
         register_functions()
         step = executed(key, text, names)
@@ -259,6 +265,7 @@ def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
     """The function `step` of a text that uses these names, compiled or loaded with its first call."""
     key = key_of(name, text, names)
     if key not in _functions:
+        _make_anew(reach_of(text, names))
         register_functions()
         _functions[key] = executed(key, text, names)
         _keep(_functions[key], key, reach_of(text, names))

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from ev_core.faults.fault import FaultParameters
 from ev_core.faults.row import refuse_faults
-from ev_core.lockstep.finding import find_method
+from ev_core.lockstep.finding import find_method, text_of
 from ev_core.methods.hooks import ReadingFiles
 from ev_core.methods.register import CommonParameters, Method, create, methods_of, refuse_layout, refuse_taken
 from ev_core.parameters.declaration import Entry, Spec, defaults, entries, flatten
@@ -75,9 +75,14 @@ class Configuration:
         """A new object of the method, at rest, in plain Python and in front of its sensors."""
         return create(self.method, self.given, self.common.vehicle, self.common.control_period)
 
+    def __deepcopy__(self, _: Any) -> Configuration:
+        """Itself, for nothing of it changes: a copy has the same law, whatever its file has become."""
+        return self
+
     def __reduce__(self) -> tuple[Any, ...]:
-        """For pickle and deepcopy: by names and values, for a method is code."""
-        return configure, (self.role, self.values(), type(self.extra) if self.extra is not None else None)
+        """For pickle: by names and values, for a method is code; the text of a law file has to be the same there."""
+        extra = type(self.extra) if self.extra is not None else None
+        return _of_same_text, (self.role, self.values(), extra, text_of(self.method))
 
     def entries(self) -> tuple[Entry, ...]:
         """Every parameter of the node with its present value as default."""
@@ -101,14 +106,26 @@ class Configuration:
         common, parameters = _replaced(rest, self.common), _replaced(rest, self.parameters)
         sensors = _replaced(rest, self.sensors, _SENSORS)
         own_faults = _replaced(rest, self.own_faults) if self.own_faults is not None else None
+        extra = _replaced(rest, self.extra) if self.extra is not None else None
         if not rest:
-            if self.extra is not None:
-                self.extra.refuse_beside(common)
+            if extra is not None:
+                extra.refuse_beside(common)
             changed = {"common": common, "parameters": parameters, "sensors": sensors, "own_faults": own_faults}
+            changed["extra"] = extra
             made = dataclasses.replace(self, **changed)
             same = parameters is self.parameters and own_faults is self.own_faults
             return made if same and common.vehicle is self.common.vehicle else _fitting(made)
-        return configure(self.role, {**self.values(), **values}, type(self.extra) if self.extra is not None else None)
+        kind = type(self.extra) if self.extra is not None else None
+        is_same = values.get(_METHOD, self.method.name) == self.method.name
+        return configure(self.role, {**self.values(), **values}, kind, self.method if is_same else None)
+
+
+def _of_same_text(role: str, values: Mapping[str, Any], extra: type | None, text: str) -> Configuration:
+    """The configuration of a pickle; ParameterError if its law file has another text than it had then."""
+    made = configure(role, values, extra)
+    if text_of(made.method) != text:
+        raise ParameterError(f"{role} method {made.method.name}: expected the file's text of when this was pickled")
+    return made
 
 
 def changeable_numbers(role: str) -> dict[str, Entry]:
@@ -129,16 +146,18 @@ def _method_entry(role: str, name: str) -> Entry:
     return Entry(_METHOD, str, False, name, spec)
 
 
-def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -> Configuration:
+def configure(
+    role: str, values: Mapping[str, Any], extra: type | None = None, resolved: Method | None = None
+) -> Configuration:
     """The configuration of a role from dotted parameter names and values; what is not named keeps its default.
 
-    `extra` is a dataclass of further parameters that only this node has. Raises ParameterError for unknown names and
-    refused values. A value for another method of the same role, or for a sensor of a signal that this method does not
-    write, is checked and then listed as unused, so that one scenario file can serve several methods; `refuse_unused`
-    is for values that are given for the chosen ones.
+    `extra` is a dataclass of further parameters that only this node has, `resolved` the method, if it is not to be
+    looked for by its name. Raises ParameterError for unknown names and refused values. A value for another method of
+    the same role, or for a sensor of a signal that this method does not write, is checked and then listed as unused, so
+    that one scenario file can serve several methods; `refuse_unused` is for values that are given for the chosen ones.
     """
     rest = dict(values)
-    method = chosen_method(role, rest)
+    method = resolved or chosen_method(role, rest)
     rest.pop(_METHOD, None)
     common = _take(rest, CommonParameters)
     further = _take(rest, extra) if extra is not None else None

@@ -45,6 +45,14 @@ def method_of_file(role: str, name: str) -> Method:
     return replace(methods[chosen or names], name=name)
 
 
+def text_of(method: Method) -> str:
+    """The digest of the text of the file that has given a method; empty for one of no law file."""
+    for (_, text), roles in _registered.items():
+        if any(each.factory is method.factory for each in roles.get(method.role, {}).values()):
+            return hashlib.sha256(text).hexdigest()
+    return ""
+
+
 def _run(who: str, path: Path, text: bytes) -> dict[str, dict[str, Method]]:
     """What a file registers, as a module of its own whose name goes with its path."""
     name = f"{path.stem}_{hashlib.sha256(bytes(path)).hexdigest()[:8]}"

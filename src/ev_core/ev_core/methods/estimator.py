@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ev_core.methods.register import offered, offered_module
+from ev_core.methods.offered import offered, offered_module
 from ev_msgs_py.refusal import ParameterError
 
 GROUP = "ev_stack.estimators"  # of entry points: the name of a package, and its module with `ESTIMATORS`

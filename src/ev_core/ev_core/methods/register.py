@@ -1,7 +1,6 @@
 """The register of methods: every law, plant, column and driver, by role and name, also of installed packages.
 
-With it stand the parameters that every node has besides those of its method, and what packages offer besides methods by
-entry points: reports, studies, sources.
+With it stand the parameters that every node has besides those of its method.
 """
 
 from __future__ import annotations
@@ -11,8 +10,6 @@ import typing
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
-from types import ModuleType
 from typing import Any, TypeVar
 
 from ev_core.faults.fault import FaultParameters
@@ -25,7 +22,7 @@ from ev_core.vehicle.car import refusal
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import EXTRA, INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
-from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_msgs_py.refusal import ParameterError, quoted
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,31 +44,6 @@ class CommonParameters:
     )
     lock_memory: bool = setting(False, about="keep the memory of the node's process from being paged", read_only=True)
     vehicle: Vehicle = group(Vehicle)
-
-
-@cache
-def offered(group: str) -> dict[str, str]:
-    """The modules of a group of entry points by name; ParameterError if two packages offer something by one name."""
-    found: dict[str, str] = {}
-    for point in entry_points(group=group):
-        if found.setdefault(point.name, point.value) != point.value:
-            raise ParameterError(
-                f"{group} {quoted(point.name)} is offered by {found[point.name]} and by {point.value}, allowed is one"
-            )
-    return found
-
-
-def offered_module(group: str, kind: str, name: str) -> ModuleType:
-    """The module of a name; ParameterError that lists the known ones if there is none, or says why it is not loaded."""
-    modules = offered(group)
-    if name not in modules:
-        raise unknown_name(kind, name, modules)
-    try:
-        return import_module(modules[name])
-    except Exception as error:  # whatever somebody's module raises
-        raise ParameterError(
-            f"{kind} {name}: {modules[name]} is not loaded: {type(error).__name__}: {error}"
-        ) from error
 
 
 _GROUP = "ev_stack.methods"
@@ -108,6 +80,7 @@ SENSORS = "sensors"  # the group of a node's sensors
 (FAULTS,) = entries(FaultParameters)
 RECORDINGS = ".npz"  # what the path of recorded signals ends with
 _REGISTER: dict[str, dict[str, Method]] = {}
+_is_for_one = False  # while a file is run whose methods only the one knows who has asked for them
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,6 +147,11 @@ class Method:
         return isinstance(self.name, str) and self.name.endswith(RECORDINGS)
 
     @property
+    def place(self) -> tuple[str, str]:
+        """The module that defines it, and its name there."""
+        return self.documented.__module__, self.documented.__qualname__
+
+    @property
     def package(self) -> str:
         """The package that brings it."""
         return str(self.documented.__module__).partition(".")[0]
@@ -192,7 +170,8 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
     `lockstep.law.Law` has.
 
     The annotations of `step`, `advance` or the function name the signals that are read; TypeError if there is no such
-    role, if it may not read one of them, if a hook is missing, or if a parameter has the name of one of every node.
+    role, if it may not read one of them, if a hook is missing, if another method has its name, or if a parameter has
+    the name of one of every node.
     """
     if role not in ROLES:
         raise TypeError(f"method {name}: {quoted(role)} is no role, allowed is one of {', '.join(ROLES)}")
@@ -223,10 +202,30 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
             refuse_taken(who, factory.parameters)
         except ParameterError as error:
             raise TypeError(str(error)) from None
-        _REGISTER.setdefault(role, {})[name] = Method(role, name, factory, reads, factory.parameters)
+        if not _is_for_one and defined.__module__.partition(".")[0] not in _packages(role):
+            load_installed_methods(role)  # theirs are refused whether they are known by now or not
+        _put(Method(role, name, factory, reads, factory.parameters))
         return defined
 
     return register
+
+
+@cache
+def _packages(role: str) -> frozenset[str]:
+    """Those that offer methods of a role."""
+    return frozenset(point.value.partition(".")[0] for point in entry_points(group=_GROUP, name=role))
+
+
+def _put(method: Method) -> None:
+    """Register a method; TypeError if another one has its name, unless that is the same one, edited and run again."""
+    of_role = _REGISTER.setdefault(method.role, {})
+    known = of_role.get(method.name)
+    if known is not None and known.place != method.place:
+        raise TypeError(
+            f"{method.role} method {method.name} is there already, {'.'.join(known.place)}: take another name for "
+            f"{'.'.join(method.place)}"
+        )
+    of_role[method.name] = method
 
 
 def refuse_taken(who: str, parameters: type, taken: Iterable[str] = ()) -> None:
@@ -245,17 +244,17 @@ def refuse_taken(who: str, parameters: type, taken: Iterable[str] = ()) -> None:
 
 def registered_by(module: str, run: Callable[[], None]) -> dict[str, dict[str, Method]]:
     """By role and name the methods of a module that something registers; only who has asked for them knows them."""
-    global _REGISTER
-    kept, _REGISTER = _REGISTER, {}
+    global _REGISTER, _is_for_one
+    kept, _REGISTER, _is_for_one = _REGISTER, {}, True
     try:
         run()
     finally:
-        made, _REGISTER = _REGISTER, kept
-        for role, methods in made.items():  # what was imported on the way is there for all
-            others = {name: each for name, each in methods.items() if each.documented.__module__ != module}
-            _REGISTER.setdefault(role, {}).update(others)
-            for name in others:
-                del methods[name]
+        made, _REGISTER, _is_for_one = _REGISTER, kept, False
+        for methods in made.values():  # what was imported on the way is there for all
+            others = [each for each in methods.values() if each.place[0] != module]
+            for each in others:
+                del methods[each.name]
+                _put(each)
     return made
 
 

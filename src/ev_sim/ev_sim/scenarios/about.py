@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ev_core.lockstep.configuration import changeable_numbers
-from ev_core.methods.register import offered
+from ev_core.methods.offered import offered
 from ev_core.nodes.master.real_time import LONGEST
 from ev_core.parameters.data_file import files_in_config, refuse_outside
 from ev_core.parameters.declaration import entries, group, setting

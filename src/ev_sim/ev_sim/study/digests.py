@@ -16,7 +16,8 @@ from importlib import import_module
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
-from ev_core.methods.register import Method, offered
+from ev_core.methods.offered import offered
+from ev_core.methods.register import Method
 from ev_core.parameters.data_file import config_folders, entry_points
 from ev_sim.report.summary import PACKAGES, versions
 from ev_sim.scenarios.about import REPORTS

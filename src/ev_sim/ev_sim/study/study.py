@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from ev_core.methods.register import methods_of, node_package, offered, offered_module
+from ev_core.methods.offered import offered, offered_module
+from ev_core.methods.register import methods_of, node_package
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.command_line.options import overrides
 from ev_sim.measures.handling import has_spun

@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 
-from ev_core.methods.register import offered, offered_module
+from ev_core.methods.offered import offered, offered_module
 from ev_core.parameters.data_file import TEXT, read_data
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.measures.metric import Band, Metric, Reference
