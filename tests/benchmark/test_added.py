@@ -37,7 +37,8 @@ class Parameters:
 def pulls(p: Parameters, driver: DriverCommand) -> WheelTorqueRequest:
     """Pull to one side."""
     quarter = driver.drive_torque / 4.0
-    return WheelTorqueRequest(Wheels(quarter, quarter + p.pull, quarter, quarter), Wheels(0.0, 0.0, 0.0, 0.0))
+    brake = driver.brake_torque / 4.0
+    return WheelTorqueRequest(Wheels(quarter, quarter + p.pull, quarter, quarter), Wheels(brake, brake, brake, brake))
 '''
 
 

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from ev_sim.benchmark.board import read_board
+from ev_sim.benchmark.manoeuvre import Manoeuvre
 from ev_sim.benchmark.ranking.scores import LARGEST, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
 
 NONE_UNSTABLE = np.zeros((2, 3), bool)
-SCALES = {"peak_sideslip": 0.01}
+BOARD = replace(read_board("small"), reference="without", scales={"peak_sideslip": 0.01})
+MANOEUVRE = Manoeuvre("s", 1.0, [], handling=["peak_sideslip"], energy=[])
 
 
 def costs(of_reference, of_law, unstable=NONE_UNSTABLE) -> np.ndarray:
     """Of a law beside the reference, by its sideslip [rad]."""
     metrics = {"without": {"peak_sideslip": np.array(of_reference)}, "law": {"peak_sideslip": np.array(of_law)}}
-    return costs_of(metrics, ["peak_sideslip"], SCALES, "without", unstable)
+    return costs_of(BOARD, MANOEUVRE, "handling", metrics, unstable)
 
 
 def test_a_cost_is_a_ratio_and_the_reference_costs_one():
@@ -24,7 +29,8 @@ def test_a_cost_is_a_ratio_and_the_reference_costs_one():
 
 def test_a_cost_without_metrics_is_one_unless_the_run_is_lost():
     unstable = np.array([[False, False, False], [False, True, False]])
-    assert costs_of({}, [], SCALES, "without", unstable).tolist() == [[1.0] * 3, [1.0, LARGEST, 1.0]]
+    metrics = {"without": {}, "law": {}}
+    assert costs_of(BOARD, MANOEUVRE, "energy", metrics, unstable).tolist() == [[1.0] * 3, [1.0, LARGEST, 1.0]]
 
 
 def test_what_is_below_the_scale_is_no_difference():

@@ -143,6 +143,7 @@ def test_candidates_are_judged_one_by_one_and_misfits_cost_most(training: Traini
     )
     costs = training.costs([one, misfit, other])
     assert costs[1] == pytest.approx(3.3)  # unstable in all runs
+    assert training.of_reference == pytest.approx(1.1)  # stable in all runs
     assert costs.tolist() == [*training.costs([one]), costs[1], *training.costs([other])]
 
 
@@ -150,6 +151,7 @@ def test_a_stopped_search_goes_on_and_gives_the_same(tmp_path: Path, monkeypatch
     """Stopped in its second generation; the cost falls, and the parameter file brings it onto the board."""
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     run_tune([*WORDS, "--out", str(whole)])
+    assert "\nequal_torque in these 1.1000 and 1.1000\n" in capsys.readouterr().out
     costs, calls = Training.costs, list[int]()
 
     def interrupted(self: Training, candidates: list) -> np.ndarray:

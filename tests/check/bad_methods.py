@@ -148,7 +148,8 @@ class Leaning(Good):
     """Gives the left wheels more, and says that left and right are alike to it."""
 
     def answer(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
-        return WheelTorqueCommand(Wheels(*(t * k for t, k in zip(request.drive, (1.1, 1, 1, 1), strict=True))))
+        drive = Wheels(*(t * k for t, k in zip(request.drive, (1.1, 1, 1, 1), strict=True)))
+        return WheelTorqueCommand(drive, request.brake)
 
 
 class Working(Good):
@@ -180,7 +181,21 @@ class Rounding(Good):
 
     def answer(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
         a, b, c, d = request.drive
-        return WheelTorqueCommand(Wheels.all(a + b + c + d))
+        return WheelTorqueCommand(Wheels.all(a + b + c + d), request.brake)
+
+
+class Rolling(Good):
+    """Drops the brakes."""
+
+    def answer(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
+        return WheelTorqueCommand(request.drive)
+
+
+class Standing(Good):
+    """Drops the drive."""
+
+    def answer(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
+        return WheelTorqueCommand(Wheels.all(0.0), request.brake)
 
 
 def loading(parameters: Gain) -> Gain:
@@ -199,7 +214,8 @@ def wrapping(p: Gain, s: Count, request: WheelTorqueRequest) -> WheelTorqueComma
     """A whole number that Python holds, and compiled code does not."""
     s.steps += 1.0
     large = int(s.steps) * 4611686018427387904 * 4
-    return WheelTorqueCommand(Wheels(float(large), 0.0, 0.0, 0.0), request.brake)
+    _, front_right, rear_left, rear_right = request.drive
+    return WheelTorqueCommand(Wheels(float(large), front_right, rear_left, rear_right), request.brake)
 
 
 WRAPPING = Law(wrapping, Gain, Count)
@@ -219,6 +235,8 @@ FINDINGS: tuple[tuple[Any, str], ...] = (
     (Overflowing, "OverflowError"),
     (Leaning, "left and right are not alike"),
     (Rounding, "left and right are not alike"),
+    (Rolling, "WheelTorqueRequest.brake has no effect: the same torques with 300 N m as without"),
+    (Standing, "WheelTorqueRequest.drive has no effect: the same torques with 300 N m as without"),
     (Loading, "parameters that are set to their own values are other ones"),
     (WRAPPING, "compiled and interpreted differ, step 0"),
 )

@@ -28,7 +28,8 @@ from ev_sim.benchmark.ranking.varied import differences_by_variation
 
 FILE = "docs/measured/benchmark_full.json"
 ABOUT = ("board", "version", "draws", "runs_driven", "hash", "versions")
-_NO_METRICS = ("cell", "law", "draw", "unstable", "signal_hash", "command", "once_more", *(f"{c}_cost" for c in COSTS))
+_NO_METRICS = ("cell", "law", "draw", "unstable", "demand_met", "signal_hash", "command", "once_more")
+_NO_METRICS += tuple(f"{cost}_cost" for cost in COSTS)
 _FIGURES = 4  # that a number is kept with
 
 
@@ -53,6 +54,7 @@ def kept_board(folder: Path, declared: Board) -> dict[str, Any]:
         cells[cell.id("*")] = {
             **{cost: _kept(interquartile_mean(of_cost[-1])) for cost, of_cost in costs.items()},
             "unstable": _kept(unstable[-1].mean(axis=-1)),
+            "demand_met": _kept(_of_runs(of_laws, "demand_met").mean(axis=-1)),
             "medians": {name: _kept(medians(_of_runs(of_laws, name))) for name in runs[0] if name not in _NO_METRICS},
             "hashes": [of[0]["signal_hash"][:DIGITS] for of in of_laws.values()],
         }

@@ -16,6 +16,7 @@ from ev_sim.benchmark.ranking.varied import Difference
 
 PAGE = "docs/benchmark_full.md"
 IMAGE = "benchmark_full"
+SHARES = ("unstable", "demand_met")  # of runs, and of the demand
 
 
 def scores() -> str:
@@ -25,7 +26,7 @@ def scores() -> str:
         found = [of[name] for name in ("handling", "worst tenth", "energy")]
         texts = [text for each in found for text in in_words(Score(**each))]
         place = found[0]["rank"], found[0]["value"]
-        rows.append((place, [code(law), *texts, f"{100.0 * of['unstable']:.1f}"]))
+        rows.append((place, [code(law), *texts, *(f"{100.0 * of[name]:.1f}" for name in SHARES if name in of)]))
     rows.sort(key=lambda row: row[0])
     count = len(kept()["cells"]) * len(kept()["laws"]) * kept()["draws"]
     driven = (
@@ -37,7 +38,8 @@ def scores() -> str:
         f"With the best law of each run, handling and energy apart: handling {best['handling']:.3f}, worst tenth "
         f"{best['worst tenth']:.3f}, energy {best['energy']:.3f}, unstable {100.0 * best['unstable']:.1f} %."
     )
-    return f"{table(SCORE_COLUMNS, [texts for _, texts in rows])}\n{bound}\n\n{driven}\n"
+    columns = SCORE_COLUMNS[: len(rows[0][1])]  # version 5 had no demand
+    return f"{table(columns, [texts for _, texts in rows])}\n{bound}\n\n{driven}\n"
 
 
 def recorded() -> str:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ev_core.check import state
+from ev_core.check.demand import ignored_demand
 from ev_core.check.mirror import asymmetry
 from ev_core.check.reached import Reached, inexact, reached
 from ev_core.check.stepping import MakesInputs, RandomInputs, Subject
@@ -35,11 +36,12 @@ def check_method(
     """Hold a registered method, with these parameter values, against the contract; ContractError lists the findings.
 
     It has to be exact (`inexact`), pure and deterministic, finite or refused, and the same to the bit after it was
-    saved and loaded, after a parameter was set to its own value, and compiled if it is marked so. If it claims mirror
-    symmetry it is held to that, unless `mirrored` is false, for values that are an exception. For each seed it is
-    stepped so many times with what `inputs` makes: random numbers and launches, by default. The answer says how often
-    its lines were reached in plain Python; a function of its module that was never called is a finding, unless `whole`
-    is false, for values that leave some out.
+    saved and loaded, after a parameter was set to its own value, and compiled if it is marked so. Its torques have to
+    depend on what the driver drives and brakes (`ignored_demand`). If it claims mirror symmetry it is held to that,
+    unless `mirrored` is false, for values that are an exception. For each seed it is stepped so many times with what
+    `inputs` makes: random numbers and launches, by default. The answer says how often its lines were reached in plain
+    Python; a function of its module that was never called is a finding, unless `whole` is false, for values that leave
+    some out.
     """
     configuration = configure(role, {"method": name, **(values or {})})
     for each in values or {}:
@@ -98,6 +100,7 @@ def _of(subject: Subject, seeds: Sequence[int], mirrored: bool) -> Iterator[str]
         state.lost_state,
         state.lost_by_live_change,
         state.not_refused,
+        ignored_demand,
         *([asymmetry] if mirrored else []),
     ]
     for seed in seeds:

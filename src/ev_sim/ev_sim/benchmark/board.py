@@ -12,11 +12,11 @@ import yaml
 
 from ev_core.parameters.data_file import TEXT, TextOfFile, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_sim.benchmark.manoeuvre import ENTRY_SPEED, Manoeuvre
 from ev_sim.benchmark.records import is_of, mapping, record, refuse_unknown
-from ev_sim.measures import motion
-from ev_sim.measures.metric import HIGHER
+from ev_sim.measures.metric import HIGHER, LOWER
 from ev_sim.measures.own_metrics import named_metrics
-from ev_sim.measures.registry import METRICS, NamedMetric
+from ev_sim.measures.registry import METRICS
 from ev_sim.scenarios.about import configured_file
 from ev_sim.scenarios.parameter_file import marked, read_yaml
 from ev_sim.surfaces import SURFACES
@@ -27,50 +27,6 @@ ROLE, FURTHER = "electronic_differential", ("asr",)  # roles that a law of a boa
 CASES = ("training", "validation", "held_out")
 _ALIKE = ("method", "reference", "allocation", "estimation", "asr.method")  # in the closed division
 FRICTION, TOLD_FRICTION, MOTOR_FAULT = "friction", "told_friction", "motor_fault"  # variations that are no parameters
-ENTRY_SPEED = NamedMetric(
-    "entry_speed", "m/s", "speed at the beginning, the highest one that was driven clean",
-    lambda run: motion.path_speed(run.signals)[0], ("twist.",), HIGHER,
-)  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True)
-class Manoeuvre:
-    """A run of a scenario, the roads that it is driven on, and the metrics of each cost.
-
-    `steering_on`: the road on which the steering angles are found on the very car, by the slow ramp of the scenario.
-    `entry_speed`: bounds of the speed that is raised until the car is not clean any more [m/s], by `halvings`;
-    `speed_scale`: those of the scale of the speed profile of a lap [1], likewise. `without`: cars that do not drive it.
-    `recorded` is measured beside them and counts in no cost; without it that of the board.
-    """
-
-    scenario: str
-    duration: float
-    roads: list[str]
-    handling: list[str]
-    energy: list[str]
-    run: str = ""
-    values: Mapping[str, Any] = field(default_factory=dict)
-    steering_on: str = ""
-    entry_speed: list[float] = field(default_factory=list)
-    speed_scale: list[float] = field(default_factory=list)
-    halvings: int = 6
-    without: list[str] = field(default_factory=list)
-    recorded: list[str] = field(default_factory=list)
-
-    def metrics(self, *costs: str) -> list[str | NamedMetric]:
-        """What some costs count: names of the registry, expressions whose lower values are better, the entry speed."""
-        texts = dict.fromkeys(text for cost in costs for text in getattr(self, cost))
-        return [ENTRY_SPEED if text == ENTRY_SPEED.name else text for text in texts]
-
-    @property
-    def searched(self) -> list[float]:
-        """The bounds of what is raised until the car is not clean any more; empty if nothing is."""
-        return self.entry_speed or self.speed_scale
-
-    @property
-    def measured(self) -> list[str | NamedMetric]:
-        """All that is measured, each once."""
-        return list(dict.fromkeys((*self.metrics(*COSTS, "recorded"), "peak_sideslip")))
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,13 +201,7 @@ def _refuse(board: Board, path: Path) -> None:
         refuse_unknown(f"road of {name}", [*manoeuvre.roads, *filter(None, [manoeuvre.steering_on])], board.roads)
         refuse_unknown(f"car of {name}", manoeuvre.without, cars)
         _refuse_search(name, manoeuvre)
-        counted = named_metrics(manoeuvre.metrics(*COSTS))
-        for metric in filter(counted.__contains__, named_metrics(manoeuvre.measured)):
-            if metric in METRICS and not METRICS[metric].better:
-                raise ParameterError(f"metric {metric} of {name} is better neither low nor high")
-            scale = board.scales.get(metric)
-            if not (is_of(scale, "float") and scale > 0.0):
-                raise ParameterError(f"scales lacks a number above 0 for {metric} of {name}")
+        _refuse_metrics(board.scales, name, manoeuvre)
     for variation in [*board.variations, *(each for cases in kept.values() for each in cases.variations)]:
         _refuse_variation(variation)
     for name, values in board.laws.items():
@@ -286,6 +236,22 @@ def _refuse_variation(variation: Variation) -> None:
 
 def _rise(bounds: Sequence[float]) -> bool:
     return len(bounds) == 2 and bounds[0] <= bounds[1]
+
+
+def _refuse_metrics(scales: Mapping[str, float], name: str, manoeuvre: Manoeuvre) -> None:
+    if not (manoeuvre.demand or manoeuvre.searched):
+        raise ParameterError(f"{name} lacks demand, expected is a metric of what the driver asks for, better the more")
+    counted, demanded = named_metrics(manoeuvre.metrics(*COSTS)), named_metrics(manoeuvre.demanded)
+    for metric, each in counted.items():
+        if metric in METRICS and not each.better:
+            raise ParameterError(f"metric {metric} of {name} is better neither low nor high")
+    for metric, each in demanded.items():
+        if each.better == LOWER or (metric in counted and each.better != HIGHER):
+            raise ParameterError(f"demand of {name} is {metric}, which is better low, expected is better the more")
+    for metric in named_metrics(manoeuvre.measured):
+        scale = scales.get(metric)
+        if metric in {**counted, **demanded} and not (is_of(scale, "float") and scale > 0.0):
+            raise ParameterError(f"scales lacks a number above 0 for {metric} of {name}")
 
 
 def _refuse_search(name: str, manoeuvre: Manoeuvre) -> None:

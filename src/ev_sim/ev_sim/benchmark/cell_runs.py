@@ -28,7 +28,7 @@ SCALE_OF_ANGLES = f"{COLUMN}.{SCALE}"
 SEEDS = f"{EVERY_ROLE}.seed"
 # What stands beside the metrics in the record of a run (ranking/result.py) or in what is driven (entry_speed.py).
 FIELDS = ("cell", "law", "draw", "unstable", *(f"{cost}_cost" for cost in COSTS), "signal_hash", "command")
-FIELDS += ("once_more", CLEAN, DRIVEN)
+FIELDS += ("demand_met", "once_more", CLEAN, DRIVEN)
 
 
 def values_of(board: Board, cell: Cell) -> dict[str, Any]:

@@ -13,7 +13,8 @@ import numpy as np
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.batches.by_period import batch_by_period
 from ev_sim.batches.whole_runs import Ending
-from ev_sim.benchmark.board import Board, Manoeuvre
+from ev_sim.benchmark.board import Board
+from ev_sim.benchmark.manoeuvre import Manoeuvre
 from ev_sim.driver.path import PathParameters
 from ev_sim.manoeuvres.double_lane_change import is_over, passed
 from ev_sim.measures.handling import peak_sideslip

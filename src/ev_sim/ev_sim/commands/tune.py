@@ -121,7 +121,7 @@ def _tune(
         training, validation = (
             Training(of.board, name, of.driven(journal.answer), given.cost, given.threads) for of in references
         )
-        taken = journal.taken
+        taken, reference = journal.taken, references[0].board.reference
         history, more = [], min(given.finalists + 1, given.budget) * validation.runs
         with bar_of_runs(f"tune {name}", given.budget * training.runs + more) as bar:
             for candidate in search(training, free, given.budget, given.seed, journal.answer):
@@ -133,7 +133,10 @@ def _tune(
             command,
             f"{given.cost} in {training.runs} training runs {history[0].cost:.4f}, tuned {best.cost:.4f}",
             f"{given.cost} in {validation.runs} validation runs {before:.4f}, tuned {cost:.4f}",
+            f"{reference} in these {training.of_reference:.4f} and {validation.of_reference:.4f}",
         ]
+        if cost > validation.of_reference:
+            lines.append(f"so it is worse there than {reference}, tuned as well")
         print("\n".join([f"law {name}", *lines[1:]]))
         for each in free:
             print(f"  {each.name:40} {each.start:.6g} -> {best.values[each.name]:.6g}")

@@ -59,6 +59,15 @@ class Training:
         """Of one candidate."""
         return len(self._cells) * self._board.draws
 
+    @property
+    def of_reference(self) -> float:
+        """The cost of the reference in the same runs: a candidate above it is worse than no law at all."""
+        board, law, found = self._board, self._board.reference, []
+        for _, of in self._cells:
+            unstable = ~(of.metrics[law]["peak_sideslip"] < board.unstable)[None, :]
+            found.append(costs_of(board, board.manoeuvres[of.cell.manoeuvre], self._cost, of.metrics, unstable))
+        return float(robust_cost(np.concatenate(found, axis=1)[0]))
+
     def costs(self, candidates: Sequence[Mapping[str, float]]) -> np.ndarray:
         """The cost of each candidate, by names its values, (candidates,).
 
@@ -92,5 +101,5 @@ class Training:
         reference = {name: np.tile(each, count) for name, each in of.metrics[board.reference].items()}
         both = {board.reference: reference, "": metrics}
         unstable = np.stack([~(each["peak_sideslip"] < board.unstable) for each in both.values()])
-        costs = costs_of(both, manoeuvre.metrics(self._cost), board.scales, board.reference, unstable)
+        costs = costs_of(board, manoeuvre, self._cost, both, unstable)
         return costs[1].reshape(count, board.draws)

@@ -16,19 +16,28 @@ from ev_sim.benchmark.board import COSTS, Board, Cell
 from ev_sim.benchmark.driving import DrivenCell
 from ev_sim.benchmark.entry_speed import DRIVEN
 from ev_sim.benchmark.ranking.distributions import COSTS_SHOWN, Estimate, improvement, performance_profiles
-from ev_sim.benchmark.ranking.scores import Score, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
+from ev_sim.benchmark.ranking.scores import (
+    Score,
+    bootstrap,
+    costs_of,
+    demand_met,
+    interquartile_mean,
+    ranked,
+    tail_mean,
+)
 from ev_sim.benchmark.ranking.varied import Varied, differences_by_variation
 from ev_sim.command_line.options import command_of
 from ev_sim.measures.own_metrics import named_metrics
 
 
 class _Counted(NamedTuple):
-    """Of each cell which runs are unstable and what they cost, (laws, draws), and what is recorded beside it.
+    """Of each cell which runs are unstable, what they meet of the demand and cost, (laws, draws), and what is recorded.
 
     The cells themselves, and how many runs were driven in all of them.
     """
 
     unstable: list[np.ndarray]
+    met: list[np.ndarray]
     costs: dict[str, list[np.ndarray]]
     places: list[Cell]
     recorded: dict[str, list[np.ndarray]]
@@ -51,15 +60,15 @@ class BoardResult:
     @cached_property
     def _counted(self) -> _Counted:
         """What counts of all cells: one after the other, to spare memory."""
-        board, counted = self.board, _Counted([], {cost: [] for cost in COSTS}, [], {}, 0)
+        board, counted = self.board, _Counted([], [], {cost: [] for cost in COSTS}, [], {}, 0)
         for cell in self.cells:
             manoeuvre, of_laws = board.manoeuvres[cell.cell.manoeuvre], [cell.metrics[law] for law in self.laws]
             sideslip = np.array([of["peak_sideslip"] for of in of_laws])
             unstable = ~(sideslip < board.unstable) | ~np.array([cell.clean[law] for law in self.laws])
             counted.unstable.append(unstable)
+            counted.met.append(np.broadcast_to(demand_met(board, manoeuvre, cell.metrics), unstable.shape))
             for cost, of in counted.costs.items():
-                texts = manoeuvre.metrics(cost)
-                of.append(costs_of(cell.metrics, texts, board.scales, board.reference, unstable))
+                of.append(costs_of(board, manoeuvre, cost, cell.metrics, unstable))
             for name in named_metrics(manoeuvre.metrics("recorded")):
                 counted.recorded.setdefault(name, []).append(np.array([of[name] for of in of_laws]))
             counted.places.append(cell.cell)
@@ -71,6 +80,11 @@ class BoardResult:
     def unstable(self) -> np.ndarray:
         """Which runs are, (laws, cells, draws): slid too far, with a number that is not finite, or not clean."""
         return np.stack(self._counted.unstable, axis=1)
+
+    @cached_property
+    def met(self) -> np.ndarray:
+        """The share of the demand that each run meets, (laws, cells, draws)."""
+        return np.stack(self._counted.met, axis=1)
 
     @cached_property
     def costs(self) -> dict[str, np.ndarray]:
@@ -149,6 +163,7 @@ class BoardResult:
                         "law": law,
                         "draw": draw,
                         "unstable": bool(self.unstable[i, n, draw]),
+                        "demand_met": float(self.met[i, n, draw]),
                         **costs,
                         **{name: _number(value) for name, value in numbers.items()},
                         "signal_hash": cell.hashes[law][draw],
@@ -177,7 +192,7 @@ class BoardResult:
             "cells": [each.id("*") for each in self.places],
             "scores": {
                 law: {of: each[i]._asdict() for of, each in self.scores.items()}
-                | {"unstable": float(self.unstable[i].mean())}
+                | {"unstable": float(self.unstable[i].mean()), "demand_met": float(self.met[i].mean())}
                 for i, law in enumerate(self.laws)
             },
             "recorded": {

@@ -6,16 +6,18 @@ middle half of all runs, with intervals by a bootstrap within each cell (stratif
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
+from ev_sim.benchmark.board import Board
+from ev_sim.benchmark.manoeuvre import Manoeuvre
 from ev_sim.measures.metric import HIGHER
 from ev_sim.measures.own_metrics import named_metrics
-from ev_sim.measures.registry import NamedMetric
 
-LARGEST = 3.0  # cost of a run that is unstable or has no number, and of any other at most
+LARGEST = 3.0  # cost of a run that is unstable or lacks a number, and of any other at most
+LEAST_MET = 0.5  # share of the demand below which a run costs as much
 RESAMPLES, _AT_ONCE = 1000, 20
 CONFIDENCE = 0.95
 ENDS = 50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE)  # percentiles
@@ -32,26 +34,49 @@ class Score(NamedTuple):
 
 
 def costs_of(
-    metrics: Mapping[str, Mapping[str, np.ndarray]],
-    texts: Sequence[str | NamedMetric],
-    scales: Mapping[str, float],
-    reference: str,
-    unstable: np.ndarray,
+    board: Board, manoeuvre: Manoeuvre, cost: str, metrics: Mapping[str, Mapping[str, np.ndarray]], unstable: np.ndarray
 ) -> np.ndarray:
-    """What each run costs, (laws, draws): the mean of some metrics over those of the reference in the same draw.
+    """What each run of a manoeuvre costs, (laws, draws), by the metrics of its laws over those of the reference.
 
-    1 + (x - x_0)/max(|x_0|, scale) of each metric, with the sign of what is better, within 0 to LARGEST. LARGEST for
-    runs that are `unstable`, (laws, draws), or have no number; 1 where only the reference has none, or without metrics.
+    Its own cost is the mean of 1 + (x - x_0)/max(|x_0|, scale) of each metric, with the sign of what is better, within
+    0 to LARGEST; 1 without metrics. A run that meets the share m of the demand costs m times its own cost and 1 - m
+    times LARGEST, so that no law gains by doing less; LARGEST below LEAST_MET, for runs that are `unstable`, (laws,
+    draws), and for those that lack a number. A metric that only the reference lacks is 1.
     """
-    found = [] if texts else [np.ones(unstable.shape)]
-    for name, metric in named_metrics(texts).items():
-        sign = -1.0 if metric.better == HIGHER else 1.0
-        base = metrics[reference][name]
-        values = np.array([of[name] for of in metrics.values()])
-        ratios = 1.0 + sign * (values - base) / np.maximum(np.abs(base), scales[name])
-        found.append(np.where(np.isnan(values), LARGEST, np.where(np.isnan(base), 1.0, ratios)))
-    costs: np.ndarray = np.where(unstable, LARGEST, np.clip(np.mean(found, axis=0), 0.0, LARGEST))
+    found = [] if manoeuvre.metrics(cost) else [np.ones(unstable.shape)]
+    lost = unstable
+    for name, metric in named_metrics(manoeuvre.metrics(cost)).items():
+        values, more = _over_reference(board, name, metrics)
+        found.append(1.0 + (-more if metric.better == HIGHER else more))
+        lost = lost | np.isnan(values)
+    own = np.clip(np.mean(found, axis=0), 0.0, LARGEST)
+    met = demand_met(board, manoeuvre, metrics)
+    lost = lost | (met < LEAST_MET)
+    costs: np.ndarray = np.where(lost, LARGEST, met * own + (1.0 - met) * LARGEST)
     return costs
+
+
+def demand_met(board: Board, manoeuvre: Manoeuvre, metrics: Mapping[str, Mapping[str, np.ndarray]]) -> np.ndarray:
+    """The share of the demand that each run meets, (laws, draws), at most 1: what the reference meets in the same draw.
+
+    1 + (x - x_0)/max(|x_0|, scale) within 0 to 1; 0 without a number, 1 where only the reference has none, and without
+    a demand.
+    """
+    if not manoeuvre.demand:
+        return np.ones((len(metrics), 1))
+    (name,) = named_metrics(manoeuvre.demanded)
+    values, more = _over_reference(board, name, metrics)
+    return np.where(np.isnan(values), 0.0, np.clip(1.0 + more, 0.0, 1.0))
+
+
+def _over_reference(
+    board: Board, name: str, metrics: Mapping[str, Mapping[str, np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """A metric of all laws, and (x - x_0)/max(|x_0|, scale), 0 where the reference has no number, (laws, draws)."""
+    base = metrics[board.reference][name]
+    values = np.array([of[name] for of in metrics.values()])
+    more = (values - base) / np.maximum(np.abs(base), board.scales[name])
+    return values, np.where(np.isnan(base), 0.0, more)
 
 
 def interquartile_mean(costs: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from ev_sim.benchmark.ranking.distributions import Estimate
 from ev_sim.benchmark.ranking.result import BoardResult
 from ev_sim.benchmark.ranking.scores import Score
 
-SCORE_COLUMNS = ("law", "handling", "rank", "worst tenth", "rank", "energy", "rank", "unstable [%]")
+SCORE_COLUMNS = ("law", "handling", "rank", "worst tenth", "rank", "energy", "rank", "unstable [%]", "demand met [%]")
 LAW_COLUMNS = ("law", *(f"{cost} better [%]" for cost in COSTS), "step [µs]", "wins most in", "breaks most in")
 CELL_COLUMNS = (
     "cell",
@@ -32,6 +32,7 @@ def score_rows(result: BoardResult, laws: Sequence[str]) -> list[list[str]]:
             result.laws[i],
             *(text for each in scores.values() for text in in_words(each[n])),
             f"{100.0 * result.unstable[i].mean():.1f}",
+            f"{100.0 * result.met[i].mean():.1f}",
         ]
         for n, i in enumerate(places)
     ]
