@@ -30,8 +30,19 @@ case "$distribution" in
         ;;
 esac
 
+# Whose wheels are installed where none is sourced.
+case "${EV_STACK_ROS:-jazzy}" in
+    jazzy) lock_file=requirements.lock ;;
+    kilted) lock_file=requirements-kilted.lock ;;
+    *)
+        echo "EV_STACK_ROS=$EV_STACK_ROS is refused, expected jazzy or kilted: PyPI has no other wheels of ROS 2" \
+            "(docs/installing.md)" >&2
+        exit 1
+        ;;
+esac
+
 environment_fingerprint() {
-    { echo "$root" "$distribution" && cat requirements.txt requirements.lock; } | sha256sum
+    { echo "$root" "$distribution" && cat requirements.txt "$lock_file"; } | sha256sum
 }
 
 build_fingerprint() {
@@ -42,13 +53,21 @@ is_environment_ready() {
     [[ -x .venv/bin/python && "$(cat .venv/.complete 2>/dev/null)" == "$(environment_fingerprint)" ]]
 }
 
-# A whole .venv for this folder, beside ROS 2 or without it: other requirements can be installed into it.
+# A whole .venv for this folder, beside ROS 2 or without it: other requirements can be installed into it. Wheels of another
+# ROS 2 cannot: what only the former one has would stay.
 can_be_updated() {
     local beside=false
     [[ -z "$distribution" ]] || beside=true
     [[ -z "${PYTHON:-}" && -x .venv/bin/python && -f .venv/.complete ]] &&
         grep -q "^command = .* $root/\.venv\$" .venv/pyvenv.cfg &&
-        grep -qx "include-system-site-packages = $beside" .venv/pyvenv.cfg
+        grep -qx "include-system-site-packages = $beside" .venv/pyvenv.cfg &&
+        { $beside || has_locked_ros; }
+}
+
+has_locked_ros() {
+    local version
+    version="$(sed -n 's/^ros-rclpy==\([^ ]*\).*/\1/p' "$lock_file")"
+    [[ -z "$version" || -d "$(packages_folder)/ros_rclpy-$version.dist-info" ]]
 }
 
 is_build_ready() {
@@ -121,7 +140,7 @@ install_beside_distribution() {
 
 # The lines of the lock for the packages that an expression of awk matches.
 locked() {
-    awk "/^[^ #]/ { named = $1 } named" requirements.lock
+    awk "/^[^ #]/ { named = $1 } named" "$lock_file"
 }
 
 # uv: the one on the PATH, else the one that the lock names, down to its hash; none where it cannot be had.
@@ -184,7 +203,7 @@ make_environment() {
     else
         check_python "$python"
         step "making .venv" make_venv "$python"
-        step "installing ROS 2 and the tools of requirements.lock (once)" install_locked
+        step "installing ROS 2 and the tools of $lock_file (once)" install_locked
     fi
     environment_fingerprint >.venv/.complete
     half_made=""

@@ -5,7 +5,7 @@
 #     scripts/setup.sh           only set up
 #
 # All other scripts begin with this one; when everything is up to date it takes less than 0.1 s.
-# PYTHON=... names the Python that .venv is made with.
+# PYTHON=... names the Python that .venv is made with, EV_STACK_ROS=kilted takes the wheels of ROS 2 Kilted in place of Jazzy's.
 
 if [[ "${BASH_SOURCE[0]}" == "$0" ]]; then
     if [[ $# -gt 0 ]]; then
@@ -38,15 +38,26 @@ fi
 
 export EV_STACK_ROOT
 
-# Discovery stays on this machine, unless the user says otherwise: by our profile where the middleware is Fast DDS 3
-# (from Kilted on), else by what ROS 2 itself offers.
-if [[ "${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}" == LOCALHOST && -z "${FASTDDS_DEFAULT_PROFILES_FILE:-}" ]]; then
-    if [[ "${ROS_DISTRO:-kilted}" > "jazzy" && "${RMW_IMPLEMENTATION:-rmw_fastrtps_cpp}" == rmw_fastrtps* ]]; then
-        export FASTDDS_DEFAULT_PROFILES_FILE="$EV_STACK_ROOT/config/fastdds.xml"
-        export ROS_AUTOMATIC_DISCOVERY_RANGE=SYSTEM_DEFAULT
+# Discovery stays on this machine, unless the user says otherwise: by our profile where the middleware is Fast DDS, else by what
+# ROS 2 itself offers. Fast DDS 2 (Jazzy) is the package fastrtps, in .venv or in the distribution; Fast DDS 3 (from Kilted on) is
+# fastdds. Each would complain about the profile of the other.
+if [[ "${FASTDDS_DEFAULT_PROFILES_FILE:-}${FASTRTPS_DEFAULT_PROFILES_FILE:-}" == "$EV_STACK_ROOT"/config/fastdds*.xml ]]; then
+    unset FASTDDS_DEFAULT_PROFILES_FILE FASTRTPS_DEFAULT_PROFILES_FILE # of an earlier call, perhaps for another ROS 2
+    [[ "${ROS_AUTOMATIC_DISCOVERY_RANGE:-}" != SYSTEM_DEFAULT ]] || unset ROS_AUTOMATIC_DISCOVERY_RANGE
+fi
+if [[ "${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}" == LOCALHOST &&
+    -z "${FASTDDS_DEFAULT_PROFILES_FILE:-}${FASTRTPS_DEFAULT_PROFILES_FILE:-}" ]]; then
+    export ROS_AUTOMATIC_DISCOVERY_RANGE=SYSTEM_DEFAULT
+    IFS=: read -ra ev_stack_prefixes <<<"${AMENT_PREFIX_PATH:-/}"
+    if [[ "${RMW_IMPLEMENTATION:-rmw_fastrtps_cpp}" != rmw_fastrtps* ]]; then
+        ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST
+    elif compgen -G "$EV_STACK_ROOT/.venv/lib/python*/site-packages/ros_fastrtps-*.dist-info" >/dev/null ||
+        [[ -n "$(ls -d "${ev_stack_prefixes[@]/%//share/fastrtps}" 2>/dev/null)" ]]; then
+        export FASTRTPS_DEFAULT_PROFILES_FILE="$EV_STACK_ROOT/config/fastdds2.xml"
     else
-        export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST
+        export FASTDDS_DEFAULT_PROFILES_FILE="$EV_STACK_ROOT/config/fastdds.xml"
     fi
+    unset ev_stack_prefixes
 fi
 
 # A graph is a dozen processes: without kept bytecode each would compile all its modules anew.

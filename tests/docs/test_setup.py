@@ -78,6 +78,8 @@ class Checkout:
         (self.root / "requirements.txt").write_text("uv==1.0  # installs\ncolcon==1.0  # builds\nros-rclpy==1.0\n")
         self.lock = self.root / "requirements.lock"
         self.lock.write_text(colcon + uv)
+        rclpy = wheel(self.wheels, "ros_rclpy", {}, "9.0").replace("_", "-", 1)
+        (self.root / "requirements-kilted.lock").write_text(colcon + uv + rclpy)
         bare = {"PATH": f"{Path(sys._base_executable).parent}:/usr/bin:/bin", "HOME": str(folder)}
         self.environment = bare | {"PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(self.wheels), "TOLD": str(self.told)}
 
@@ -191,6 +193,24 @@ def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
 
 
 @pytest.mark.slow
+def test_one_variable_takes_the_wheels_of_kilted(checkout):
+    """In a new .venv, because what only the wheels of another ROS 2 have would stay. Another name is refused."""
+    python = checkout.root / ".venv" / "bin" / "python"
+    asked = [python, "-c", "from importlib.metadata import version; print(version('ros-rclpy'))"]
+    assert checkout.set_up()[0] == 0
+    (of_jazzy := checkout.root / ".venv" / "of_jazzy").touch()
+    assert checkout.set_up(EV_STACK_ROS="jazzy") == (0, "")
+    status, said = checkout.set_up(EV_STACK_ROS="kilted")
+    installing = INSTALLING.replace("requirements.lock", "requirements-kilted.lock")
+    assert (status, said_of(said)) == (0, ["making .venv ...", installing, "building the workspace ..."])
+    assert subprocess.check_output(asked) == b"9.0\n" and not of_jazzy.exists()
+    status, said = checkout.set_up(EV_STACK_ROS="lyrical")
+    assert (status, said.count("\n")) == (1, 1)
+    assert said.startswith("EV_STACK_ROS=lyrical is refused, expected jazzy or kilted")
+    assert subprocess.check_output(asked) == b"9.0\n"
+
+
+@pytest.mark.slow
 @pytest.mark.weekly
 def test_two_calls_at_once_set_up_once(checkout, tmp_path):
     """Also with a Python that does not say where its pip is: then it makes .venv as it does."""
@@ -228,6 +248,39 @@ def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, che
     assert not checkout.told.exists()
     assert "include-system-site-packages = true" in (venv / "pyvenv.cfg").read_text()
     assert checkout.is_complete
+
+
+def middleware_of(checkout: Checkout, before: str = "", **environment: str) -> dict[str, str]:
+    """What a shell that sources setup.sh gives its nodes, by the ends of the names of variables."""
+    named = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_AUTOMATIC_DISCOVERY_RANGE")
+    shell = f"{before}\nsource scripts/setup.sh && env"
+    said = subprocess.check_output(
+        ["bash", "-c", shell], cwd=checkout.root, env=checkout.environment | environment, text=True
+    )
+    found = dict(line.split("=", 1) for line in said.splitlines() if line.startswith(named))
+    return {name: value.removeprefix(f"{checkout.root}/config/") for name, value in found.items()}
+
+
+@pytest.mark.slow
+def test_the_installed_middleware_decides_which_profile_keeps_nodes_on_this_machine(checkout, tmp_path):
+    """Each Fast DDS gets its own, wheel or distribution; the user goes first."""
+    assert checkout.set_up()[0] == 0
+    newer = {"FASTDDS_DEFAULT_PROFILES_FILE": "fastdds.xml", "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT"}
+    older = {"FASTRTPS_DEFAULT_PROFILES_FILE": "fastdds2.xml", "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT"}
+    assert middleware_of(checkout) == newer
+    (packages,) = (checkout.root / ".venv" / "lib").glob("python*/site-packages")
+    wheel_of_fast_dds_2 = packages / "ros_fastrtps-2.14.5.dist-info"
+    arrives = f"source scripts/setup.sh && mkdir {wheel_of_fast_dds_2}"
+    assert middleware_of(checkout, before=arrives) == older
+    assert middleware_of(checkout) == older
+    assert middleware_of(checkout, before=f"source scripts/setup.sh && rmdir {wheel_of_fast_dds_2}") == newer
+    (tmp_path / "jazzy" / "share" / "fastrtps").mkdir(parents=True)
+    assert middleware_of(checkout, AMENT_PREFIX_PATH=f"/nowhere:{tmp_path}/jazzy") == older
+    assert middleware_of(checkout, RMW_IMPLEMENTATION="rmw_cyclonedds_cpp") == {
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"
+    }
+    for own in ({"FASTRTPS_DEFAULT_PROFILES_FILE": "/own.xml"}, {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}):
+        assert middleware_of(checkout, **own) == own
 
 
 # scripts/compile_ahead.py where only those packages are there whose lines in the lock a pattern matches.

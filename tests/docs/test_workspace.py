@@ -152,19 +152,49 @@ def test_requirements_are_pinned():
     assert not loose
 
 
-def test_the_lock_has_every_requirement_and_a_hash_for_every_package():
+def pins(file: str) -> dict[str, str]:
+    """Versions by name that a file asks for."""
+    found = re.findall(r"^([\w.-]+)(?:\[\w+\])?==(\S+)", (ROOT / file).read_text(), re.MULTILINE)
+    return {name.lower().replace("_", "-").replace(".", "-"): version for name, version in found}
+
+
+WANTED = pins("requirements.txt")
+OF_KILTED = {name: version for name, version in WANTED.items() if name != "ros-fastrtps"} | pins(
+    "scripts/kilted-overrides.txt"
+)
+
+
+@pytest.mark.parametrize(
+    ("lock", "wanted"),
+    [("requirements.lock", WANTED), ("requirements-kilted.lock", OF_KILTED)],
+    ids=["jazzy", "kilted"],
+)
+def test_the_lock_has_every_requirement_and_a_hash_for_every_package(lock, wanted):
     """scripts/lock.sh writes it; whoever changes requirements.txt alone would install what was there before."""
-    wanted = re.findall(r"^([\w.-]+)(?:\[\w+\])?==(\S+)", (ROOT / "requirements.txt").read_text(), re.MULTILINE)
-    locked = (ROOT / "requirements.lock").read_text()
+    locked = (ROOT / lock).read_text()
     packages = re.findall(
         r"^([\w.-]+)(?:\[[\w,]+\])?==(\S+)(.*\n {4}--hash=sha256:[0-9a-f]{64})?", locked, re.MULTILINE
     )
-    versions = {name: version for name, version, _ in packages}
-    assert {(name.lower().replace("_", "-").replace(".", "-"), version) for name, version in wanted} <= set(
-        versions.items()
-    )
+    assert wanted.items() <= {name: version for name, version, _ in packages}.items()
     assert [name for name, _, first_hash in packages if not first_hash] == []
     assert "://" not in locked, "whoever installs names the index"
+
+
+def test_locks_differ_in_ros_alone():
+    """All of what Kilted's overrides replace, and nothing else."""
+    jazzy, kilted = pins("requirements.lock"), pins("requirements-kilted.lock")
+    differing = {name for name, _ in jazzy.items() ^ kilted.items()}
+    assert {name for name in WANTED if name.startswith("ros-")} <= differing
+    assert [name for name in differing if not name.startswith("ros-")] == []
+
+
+def test_the_workflow_runs_the_suite_with_the_wheels_of_both():
+    """Jazzy with every Python, Kilted with one."""
+    test = yaml.safe_load((ROOT / ".github/workflows/ci.yml").read_text())["jobs"]["test"]
+    matrix = test["strategy"]["matrix"]
+    assert test["env"] == {"EV_STACK_ROS": "${{ matrix.ros }}"}
+    assert matrix["ros"] == ["jazzy"]
+    assert [each["ros"] for each in matrix["include"]] == ["kilted"]
 
 
 @pytest.mark.parametrize("distribution", ["foxy", "humble", "iron"])

@@ -111,3 +111,13 @@ def test_a_master_that_was_started_anew_before_time_went_on_is_named(wall):
             assert heard(speaker, gid)
         assert len(told) == named
     assert told[0].startswith("plant was started anew at 0 s")
+
+
+def test_a_message_without_an_identity_is_of_no_other_publisher(wall):
+    """Executors of rclpy pass on none: what is read with one before or afterwards has the same publisher."""
+    successors: list[bytes] = []
+    speaker = Speaker(Graph(ours="plant"), "imu", "plant", lambda *_: None, successors.append)
+    for gid in (b"", OURS, b"", OURS):
+        wall[0] += 1.0
+        assert heard(speaker, gid)
+    assert successors == []

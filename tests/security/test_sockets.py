@@ -12,16 +12,22 @@ import uuid
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from xml.etree import ElementTree
 
 import can
 import pytest
 from can.interfaces.udp_multicast.utils import pack_message
 from namespaces import HERE, Network, NoNamespaces
+from patience import wait_until
 from run_script import ENVIRONMENT, ROOT, RUN
 from sockets_of_process import Socket, sockets_of
 
+from ev_sim.running.domain import free_domain
+
 pytestmark = pytest.mark.slow
 
+OF_SETUP = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_AUTOMATIC_DISCOVERY_RANGE")
+DDS = "{http://www.eprosima.com}"
 MARK = "EV_STACK_TEST_SOCKETS"  # in the environment of all processes that belong to one try
 SHORT = f"{RUN} shchur2019 --duration 0.5 --no-report --out OUT"
 HUB = f"{sys.executable} -m ev_sim.commands.can_hub --port 0"
@@ -179,6 +185,49 @@ def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, networ
     if isinstance(network, Network) and words == BENCH:
         logged = {message.arbitration_id for message in can.LogReader(tmp_path / "bus.log")}
         assert logged & {0x123, 0x124} == {0x124}
+
+
+@pytest.mark.parametrize("node", ["ev_sim/plant", "ev_control/asr"])
+def test_a_node_that_a_shell_starts_by_hand_listens_on_this_machine_alone(node, tmp_path):
+    """With what scripts/setup.sh sets, whichever ROS 2 is there: a profile that is not read opens all addresses."""
+    bare = {name: value for name, value in os.environ.items() if name not in OF_SETUP}
+    package, name = node.split("/")
+    shell = f"source {ROOT}/scripts/setup.sh && exec {ROOT}/install/{package}/lib/{package}/{name}"
+    with free_domain() as domain, (tmp_path / "said.txt").open("w+") as said:
+        process = subprocess.Popen(
+            ["bash", "-c", shell],
+            env=bare | {"ROS_DOMAIN_ID": str(domain)},
+            stdout=said,
+            stderr=subprocess.STDOUT,
+        )
+        try:
+            wait_until(lambda: "ready" in Path(said.name).read_text() or process.poll() is not None)
+            assert process.poll() is None, Path(said.name).read_text()
+            sockets = sockets_of(process.pid)
+        finally:
+            process.kill()
+            process.wait()
+    assert len(sockets) >= 3
+    assert [each for each in sockets if not each.address.is_loopback] == []
+
+
+OF_FAST_DDS_2 = {
+    "nack_supression_duration": "nackSupressionDuration",
+    "heartbeat_response_delay": "heartbeatResponseDelay",
+}
+
+
+def setting_of(element: ElementTree.Element) -> tuple[str, str]:
+    name = element.tag.removeprefix(DDS)
+    return OF_FAST_DDS_2.get(name, name), (element.text or "").strip()
+
+
+def test_both_profiles_say_the_same():
+    """In the words of Fast DDS 3 and of Fast DDS 2, which asks nobody how a type is laid out."""
+    newer, older = (ElementTree.parse(ROOT / "config" / name).getroot() for name in ("fastdds.xml", "fastdds2.xml"))
+    rtps = newer.find(f"{DDS}participant/{DDS}rtps")
+    rtps.remove(rtps.find(f"{DDS}propertiesPolicy"))
+    assert [setting_of(each) for each in newer.iter()] == [setting_of(each) for each in older.iter()]
 
 
 LISTENER = f"""

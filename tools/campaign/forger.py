@@ -15,6 +15,7 @@ from campaign.ports import ports
 from ev_core.lockstep.stepper import WRITERS
 from ev_core.nodes.signal_io import QUALITY
 from ev_core.nodes.stop_request import StopRequest
+from ev_core.nodes.taking import taker_of
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
@@ -33,7 +34,8 @@ def main() -> None:
     format_ = format_of(topic.signal)
     rclpy.init()
     node = Node("forger", namespace="/ev")
-    ear = node.create_subscription(format_.message_class, topic.name, lambda _: None, QUALITY, raw=True).handle
+    ear = node.create_subscription(format_.message_class, topic.name, lambda _: None, QUALITY, raw=True)
+    take = taker_of(ear.handle, format_.message_class)
     mouth = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     said, begun, before, count = Frame(), time.monotonic(), 0, 0
     where: list[int] = []
@@ -41,7 +43,7 @@ def main() -> None:
     print("here", flush=True)
     with StopRequest() as stop:
         while not stop.received and count < _MOST and time.monotonic() < begun + _SECONDS:
-            taken = ear.take_message(format_.message_class, True)
+            taken = take()
             if taken is None:
                 continue
             message, info = taken

@@ -22,6 +22,7 @@ from campaign.ports import ports
 from campaign.sayings import SAYINGS, Saying
 from ev_core.nodes.signal_io import QUALITY
 from ev_core.nodes.stop_request import StopRequest
+from ev_core.nodes.taking import taker_of
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.wire import format_of, stamp_of
 
@@ -73,11 +74,12 @@ def _forge(node: Node, forgery: Forgery, chance: random.Random, goes_on: Callabl
     """Forge once for each message that is heard, and some times a second without one."""
     topic = forgery.topic if forgery.topic.startswith("/") else f"/ev/{forgery.topic}"
     kind = CLASSES[forgery.topic]
-    ear = node.create_subscription(kind, topic, lambda _: None, QUALITY, raw=True).handle
+    ear = node.create_subscription(kind, topic, lambda _: None, QUALITY, raw=True)
+    take = taker_of(ear.handle, kind)
     heard, count, due = Heard(bytes(16), 0, b""), 0, 0.0
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as mouth:
         while goes_on() and count < _DATAGRAMS:
-            if (taken := ear.take_message(kind, True)) is not None:
+            if (taken := take()) is not None:
                 message, info = taken
                 heard = Heard(bytes(info["publisher_gid"]["data"]), info["publication_sequence_number"], message)
             elif (now := time.monotonic()) < due:

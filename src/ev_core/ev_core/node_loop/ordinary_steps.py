@@ -84,13 +84,18 @@ class _Allocator(ctypes.Structure):
 
 
 def prepare_message(address: int, capacity: int) -> None:
-    """Make an `rcutils_uint8_array_t` for what is taken; it grows with the messages, and lasts like the process."""
+    """Make an `rcutils_uint8_array_t` for what is taken; it grows with the messages, and lasts until it is freed."""
     rcutils = ctypes.CDLL("librcutils.so")
     rcutils.rcutils_get_default_allocator.restype = _Allocator
     allocator = rcutils.rcutils_get_default_allocator()
     rcutils.rcutils_uint8_array_init.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]
     if rcutils.rcutils_uint8_array_init(address, capacity, ctypes.byref(allocator)) != 0:
         raise MemoryError(f"no {capacity} bytes for a message")
+
+
+def free_message(address: int) -> None:
+    """Free what `prepare_message` has made, and what it has grown to."""
+    ctypes.CDLL("librcutils.so").rcutils_uint8_array_fini(ctypes.c_void_p(address))
 
 
 _LOOP_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 9)
@@ -114,7 +119,7 @@ _LIMIT, _UNTIL, _PATIENCE, _GUARD, _CAME, _REFUSED, _TAKEN, _SPOKE, _ODD, _FUNCT
 _NOBODY = b"\xff" * 16  # no identity
 _FORGET_PERIOD = 0.05  # s after which senders that are refused are looked at again
 _SENDERS = 8  # of each input: the admitted one, and others that are known to be refused
-_CAPACITY = 4096  # bytes of a message that need not be asked for
+CAPACITY = 4096  # bytes of a message that need not be asked for
 
 
 class Block:
@@ -200,7 +205,7 @@ class OrdinarySteps:
         self._outputs["publisher"] = [end.address for end in outputs]
         self._outputs["message"] = [block.words_for(MESSAGE_WORDS) for _ in outputs]
         block.finish()
-        prepare_message(block.address + 8 * int(head["message"]), _CAPACITY)
+        prepare_message(block.address + 8 * int(head["message"]), CAPACITY)
         for row in self._outputs:  # without an allocator: nobody makes them grow
             at = int(row["message"])
             block.words[at : at + 3] = block.address + row["template"], row["length"], row["length"]

@@ -32,7 +32,7 @@ _ROS_OWN = ("use_sim_time", "start_type_description_service")
 
 def overrides(node: Node) -> dict[str, Any]:
     """The values of command line and parameter files for a node that declares its overrides by itself."""
-    given = node.get_parameters_by_prefix("")
+    given: Mapping[str, Any] = node.get_parameters_by_prefix("")
     return {name: value.value for name, value in given.items() if not is_ros_own(name)}
 
 

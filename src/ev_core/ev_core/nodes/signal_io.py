@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -15,6 +15,7 @@ from rclpy.qos import QoSProfile
 
 from ev_core.lockstep.stepper import WRITERS
 from ev_core.node_loop.ordinary_steps import End
+from ev_core.nodes.taking import taker_of
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
@@ -68,7 +69,7 @@ class Speaker:
             self._next_look[gid] = now + _SOON
             if self._may_speak(gid):
                 before, self.admitted = self.admitted, gid
-                if before not in (None, gid):
+                if before and gid and before != gid:  # an empty one is no other publisher
                     self._succeeded(gid)
             elif gid == self.admitted:
                 self.admitted = None
@@ -80,7 +81,7 @@ class Speaker:
     def _may_speak(self, gid: bytes) -> bool:
         """Whether a publisher is the only one of its name; one whose node is not known yet may be admitted later.
 
-        Where the sender of a message is not known (an empty `gid`: before ROS 2 Kilted, in executors of rclpy), it is
+        Where the sender of a message is not known (an empty `gid`: in executors of rclpy), it is
         believed as long as nobody else could have.
         """
         there = {
@@ -115,7 +116,7 @@ class Speaker:
 _UNTOLD = {"data": b""}
 
 
-SubscriptionHandle = rclpy_implementation.Subscription  # what rclpy's Subscription wraps
+SubscriptionHandle: TypeAlias = rclpy_implementation.Subscription  # what rclpy's Subscription wraps
 QUALITY = QoSProfile(depth=QUEUE_DEPTH)  # reliable, volatile, keep last
 HELD = 20 * QUEUE_DEPTH  # messages, until they are taken; those of strangers shall not displace the others
 _HEARD = QoSProfile(depth=HELD)
@@ -172,7 +173,7 @@ class Reader:
             message_class, name, self._receive_from_executor, quality, callback_group=PolledGroup(), raw=True
         )
         self.handle: SubscriptionHandle = self._subscription.handle
-        self._take = partial(self.handle.take_message, message_class, True)
+        self._take = taker_of(self.handle, message_class)
         self.close = partial(node.destroy_subscription, self._subscription)
 
     def take(self, patience: int = QUEUE_DEPTH) -> bytes | None:

@@ -31,7 +31,8 @@ class Refusing:
     """The callback of a service; where it raises, the answer has the reason, if its type has a place for that."""
 
     def __init__(self, service: Service, node: Node) -> None:
-        self._callback, self._response, self._logger = service.callback, service.srv_type.Response, node.get_logger()
+        kind: Any = service.srv_type
+        self._callback, self._response, self._logger = service.callback, kind.Response, node.get_logger()
 
     def __call__(self, request: Any, response: Any) -> Any:
         """The answer of the callback, or a refusal."""
@@ -160,12 +161,13 @@ def _take_over(nodes: Sequence[Any], polled: bool) -> None:
 
 def _answer(service: Service) -> None:
     """Answer all calls that have arrived; the executor would look at one thing of one node at a time."""
+    kind: Any = service.srv_type
     while True:
         with service.handle:
-            request, header = service.handle.service_take_request(service.srv_type.Request)
+            request, header = service.handle.service_take_request(kind.Request)
         if header is None:
             return
-        service.send_response(service.callback(request, service.srv_type.Response()), header)
+        service.send_response(service.callback(request, kind.Response()), header)
 
 
 def _rest(nodes: Sequence[Spinnable], wait_set: Any, guard: Any) -> None:
