@@ -13,6 +13,7 @@ import pytest
 from run_script import ENVIRONMENT, ROOT, RUN
 
 from ev_core.compiling.user_cache import cache_folder
+from ev_sim.running.domain import free_domain
 
 pytestmark = pytest.mark.slow
 
@@ -32,7 +33,9 @@ def test_a_run_needs_no_home_folder(way: tuple[str, ...], tmp_path: Path):
 
 def test_a_command_in_the_graph_needs_no_home_folder():
     """Without a graph the command says that there is none, not that there is no home folder."""
-    done = subprocess.run([COMMAND, "param", "get", "plant"], env=HOMELESS, capture_output=True, text=True)
+    with free_domain() as domain:
+        environment = {**HOMELESS, "ROS_DOMAIN_ID": str(domain)}
+    done = subprocess.run([COMMAND, "param", "get", "plant"], env=environment, capture_output=True, text=True)
     assert done.stderr.startswith("error: no nodes are running in ROS domain"), done.stderr
 
 

@@ -11,7 +11,7 @@ import signal
 import subprocess
 import time
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from socket import socket
 from typing import Any
@@ -47,15 +47,12 @@ def listening(port: int) -> list[socket]:
 
 
 class Pages:
-    """All open pages.
-
-    `obey` does what one of them asks for, ValueError refuses it; `present()` is what a new one gets.
-    """
+    """All open pages; `obey` does what one asks for, ValueError refuses it; `present()` is what a new one gets."""
 
     def __init__(
         self,
         title: str,
-        sockets: Sequence[socket],
+        sockets: list[socket],
         obey: Callable[[Mapping[str, Any]], None],
         present: Callable[[], list[dict]],
     ) -> None:
@@ -177,7 +174,7 @@ _PATIENCE = 10.0  # s for a graph to be found to which we are to attach
 
 
 async def attached(
-    namespace: str | None, domain: int, sockets: Sequence[socket], run: subprocess.Popen | None
+    namespace: str | None, domain: int, sockets: list[socket], run: subprocess.Popen | None
 ) -> str | None:
     """Serve pages until the run has ended, and return the reason in words; None if Ctrl-C or SIGTERM came first.
 
@@ -242,7 +239,7 @@ class _Graph:
 class _Dashboard:
     """The pages, and the graph that they show: that of a namespace, or the one that runs."""
 
-    def __init__(self, observer: Any, sockets: Sequence[socket], namespace: str | None) -> None:
+    def __init__(self, observer: Any, sockets: list[socket], namespace: str | None) -> None:
         self.master = ""  # of the graph that is shown, once it was there
         self._observer, self._next_look = observer, 0.0
         self._columns: list[str] = []
