@@ -23,10 +23,10 @@ from hypothesis import strategies as st
 from patience import PATIENCE
 
 from ev_core.bus import channel as channel_module
+from ev_core.bus import socketcand_hub
 from ev_core.bus.channel import BusMeter, Channel, bus_log
 from ev_core.bus.opening import BusError, open_channel
 from ev_core.bus.parameters import DEFAULT_CHANNELS, INTERFACES, BusParameters
-from ev_core.bus import socketcand_hub
 from ev_core.bus.socketcand_hub import HOST, SocketcandHub
 from ev_msgs_py.can.frame_length import Frame
 
