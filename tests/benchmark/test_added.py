@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 import shlex
@@ -14,7 +15,7 @@ from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.benchmark.added import check_laws, with_added
 from ev_sim.benchmark.board import read_board
-from ev_sim.commands.benchmark import run_benchmark
+from ev_sim.commands.benchmark import _words, run_benchmark
 from ev_sim.commands.run_scenario import main
 
 EXAMPLE = str(Path(__file__).parents[2] / "docs" / "examples" / "yaw_moment.py")
@@ -116,3 +117,13 @@ def test_no_board_makes_a_law_file_run(tmp_path: Path, old: str, new: str):
     with pytest.raises(ParameterError, match=re.escape("is refused, allowed from a file is a name")):
         run_benchmark([str(path), "--draws", "1", "--out", str(tmp_path / "out")])
     assert not mark.exists()
+
+
+def test_the_line_that_drives_a_run_again_has_whole_paths(tmp_path, monkeypatch):
+    """It is copied into another folder, or another day."""
+    monkeypatch.chdir(tmp_path)
+    added = ["law.py:NAME=a.yaml", "law.py", "pi=a.yaml", "pi_slip"]
+    words = _words(argparse.Namespace(draws=2, seed=None, add=added, held_out=None, board=None))
+    found = [word for word, before in zip(words[1:], words, strict=False) if before == "--add"]
+    law, values = tmp_path / "law.py", tmp_path / "a.yaml"
+    assert found == [f"{law}:NAME={values}", str(law), f"pi={values}", "pi_slip"]

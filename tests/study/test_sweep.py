@@ -178,6 +178,13 @@ def test_metrics_are_named_before_anything_is_driven():
         assert str(error.value).startswith(said)
 
 
+def test_values_that_are_rounded_inside_are_noted(tmp_path, capsys):
+    """`preview_time` is rounded to points of 0.05 s, so 1.00 and 1.01 s are one and 1.10 s is another."""
+    words = ["--vary", "driver.preview.preview_time=1.0,1.01,1.1", "--duration", "0.5", "--workers", "1", "--no-report"]
+    main(["sweep", "double_lane_change", *words, "--out", str(tmp_path)])
+    assert "note: 2 different runs among 3: the others have" in capsys.readouterr().out
+
+
 RESERVED = ("metrics", "units", "reasons", "better", "time", "speed", "x", "method", "seed", "value")
 
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from ev_core.lockstep.finding import is_code
 from ev_core.parameters.data_file import TEXT, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.benchmark.added import check_laws, with_added
@@ -184,10 +185,18 @@ def _words(given: argparse.Namespace) -> list[str]:
     options = [
         (f"--{name}", str(getattr(given, name))) for name in ("draws", "seed") if getattr(given, name) is not None
     ]
-    options += [("--add", word) for word in given.add]
+    options += [("--add", _from_anywhere(word)) for word in given.add]
     if given.held_out is not None:
         options.append(("--held-out", str(given.held_out)))
     return ["benchmark", given.board or "small", *(word for option in options for word in option)]
+
+
+def _from_anywhere(word: str) -> str:
+    """An added law LAW or LAW=PARAMETERS.yaml, with the whole paths of its files."""
+    law, equals, file = word.partition("=")
+    code, colon, chosen = law.partition(":")
+    law = f"{Path(code).absolute()}{colon}{chosen}" if is_code(law) else law
+    return f"{law}{equals}{Path(file).absolute() if file else ''}"
 
 
 def _asked(board: Board, given: argparse.Namespace) -> Board:

@@ -179,7 +179,19 @@ def tables(given: argparse.Namespace, results: Results) -> str:
     texts = [[*map(_shown_value, row[:given_ones]), *map(cell, row[given_ones:])] for row in rows]
     hint = "" if columns[given_ones:] else f"\nno metric was measured: scripts/run.sh {given.scenario} says why"
     lacking = not_measured(list(_shown(given, results)), results)
-    return "\n".join(filter(None, (tables_by_width(columns, texts, given_ones, left=()), lacking, hint)))
+    shown = tables_by_width(columns, texts, given_ones, left=())
+    return "\n".join(filter(None, (shown, lacking, hint, _alike(results))))
+
+
+def _alike(results: Results) -> str:
+    """A note where runs have the same signals, as where a value is rounded inside; empty if all differ."""
+    hashes = [result.signal_hash for result in results.values() if result.signal_hash]
+    if len(set(hashes)) == len(hashes):
+        return ""
+    return (
+        f"note: {len(set(hashes))} different runs among {len(hashes)}: the others have the signals of one of these, "
+        "since a value is rounded (docs/parameters.md), or acts on nothing here"
+    )
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
