@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -66,7 +68,7 @@ def test_a_lap_the_other_way_round_is_the_mirror_image():
     """To the bit, where forces left and right are alike: 8 s, into the first bend."""
     course = driven(duration=0.1).course
     assert course is not None
-    other = {"driver__course__y": [-y + 0.0 for y in course.y], "plant__initial_y": 2.0}
+    other = {"driver__course__y": [-y + 0.0 for y in course.y]}
     one, image = (
         driven(
             8.0,
@@ -117,3 +119,46 @@ def test_a_car_that_goes_back_across_the_line_begins_no_lap_once_more(lap: Drive
     assert laps_begun(back.signals, back.vehicle, back.course) == 2
     more = 0.2 if crossing == 0 else 0.0  # s, 20 samples
     assert measured(back, "lap_time") == pytest.approx(measured(lap, "lap_time") + more, abs=1e-6)
+
+
+def eight(folder: Path) -> str:
+    """A figure of eight, 300 m around, that crosses itself at right angles in its first point; 7 m wide."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)
+    x, y = 50.0 * np.sin(turn), 50.0 * np.sin(turn) * np.cos(turn)
+    rows = [f"{a:.4f},{b:.4f},3.5,3.5" for a, b in zip(x, y, strict=True)]
+    (folder / "eight.csv").write_text("\n".join(["x_m,y_m,left_m,right_m", *rows]) + "\n")
+    return str(folder / "eight.csv")
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0], ids=["left", "right"])
+def test_an_own_course_is_lapped_as_documented_even_where_it_crosses_itself(tmp_path, side):
+    """By its file alone: the car starts on its racing line, the run lasts until it stands, and no lap is cut.
+
+    Nor does the crossing, which is at the line of the lap, count as a lap or as leaving the course.
+    """
+    file = Path(eight(tmp_path))
+    head, *rows = file.read_text().splitlines()
+    cells = [row.split(",") for row in rows]
+    file.write_text("\n".join([head, *(f"{x},{side * float(y)},{le},{ri}" for x, y, le, ri in cells)]) + "\n")
+    run = driven(driver__course__file=str(file), driver__limit__scale=0.6)
+    line = line_of(run.course, run.vehicle)
+    assert leaves(run.signals, run.vehicle, run.course) is None
+    assert laps_begun(run.signals, run.vehicle, run.course) == 2
+    channels = run.signals.channels
+    start = np.array((channels["pose.x"][0], channels["pose.y"][0]))
+    assert np.hypot(*(start - line.points[0])) == pytest.approx(6.0, abs=0.1)
+    assert measured(run, "lap_time") > line.step.sum() / 20.0  # m/s, more than it drives anywhere
+    assert measured(run, "path_error") < 0.3
+    assert abs(channels["twist.longitudinal"][-1]) < 1e-3
+
+
+def test_a_start_that_is_given_stays(tmp_path):
+    run = driven(0.1, plant__initial_x=-10.0, plant__initial_y=-1.0, plant__initial_heading=0.0)
+    assert run.signals.channels["pose.x"][0] == -10.0
+    assert run.signals.channels["pose.y"][0] == -1.0
+
+
+def test_a_small_course_is_begun_at_its_line(tmp_path):
+    """The circle of 30 m that is there without a file, from the origin, beside its racing line: it is on the road."""
+    run = driven(20.0, driver__course__file="", plant__initial_x=0.0, plant__initial_y=0.0, plant__initial_heading=0.0)
+    assert leaves(run.signals, run.vehicle, run.course) is None

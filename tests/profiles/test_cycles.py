@@ -73,3 +73,13 @@ def test_mean_and_top_speed_are_the_printed_ones(name, mean, digit, fastest):
 def test_wltc_checksum_of_the_regulation():
     """GTR 15 prints the sum of the speeds of class 3b: 83758.6 km/h."""
     assert sum(v for _, v in points("wltc_class_3b")) * 3.6 == pytest.approx(83758.6, abs=0.05)
+
+
+def test_a_cycle_begins_with_its_first_row(tmp_path):
+    """Whatever its clock shows there; a grade of zero throughout is none."""
+    rows = [(0.0, 0.0), (1.0, 2.0), (3.0, 0.0)]
+    for first in (0.0, 3600.0, -5.0):
+        path = tmp_path / "cycle.csv"
+        path.write_text("t_s,v_mps,grade\n" + "".join(f"{first + t},{v},0\n" for t, v in rows))
+        profile = with_profile_from_file(SpeedProfileParameters(file=str(path)))
+        assert list(zip(profile.time, profile.speed, strict=True)) == rows

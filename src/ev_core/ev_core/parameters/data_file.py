@@ -10,7 +10,7 @@ import math
 import os
 import stat
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
@@ -179,18 +179,25 @@ def find_file(name: str) -> Path:
     return path
 
 
-def read_csv(parameter: str, name: str, columns: tuple[Mapping[str, float], ...], make: Callable[..., T]) -> T:
+def read_csv(
+    parameter: str,
+    name: str,
+    columns: tuple[Mapping[str, float], ...],
+    make: Callable[..., T],
+    unread: Collection[str] = (),
+) -> T:
     """What `make` makes of some columns of the CSV file `name`, each a tuple of numbers in SI units.
 
-    `columns`: for each column the names that it may have, with the factor from its unit to SI. The file has a header;
-    further columns, empty lines and lines that begin with # are passed over. Raises ParameterError, in one line that
+    `columns`: for each column the names that it may have, with the factor from its unit to SI. The file has a header,
+    with or without # before it; further columns, empty lines and other lines that begin with # are passed over, and
+    columns that are `unread` only if they are zero. Raises ParameterError, in one line that
     names `parameter` and file, if the file cannot be read, lacks a column or has it twice, or holds something else than
     finite numbers, and if `make` raises one.
     """
     path: Path | str = name
     try:
         path = find_file(name)
-        return make(*_read(path, columns))
+        return make(*_read(path, columns, unread))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = (error.strerror or error) if isinstance(error, OSError) else "no CSV text"
         raise ParameterError(f"{parameter}: {path}: {reason}") from None
@@ -198,16 +205,27 @@ def read_csv(parameter: str, name: str, columns: tuple[Mapping[str, float], ...]
         raise ParameterError(f"{parameter}: {path}: {error}") from None
 
 
-def _read(path: Path, columns: tuple[Mapping[str, float], ...]) -> list[tuple[float, ...]]:
+def _read(path: Path, columns: tuple[Mapping[str, float], ...], unread: Collection[str]) -> list[tuple[float, ...]]:
     file = io.StringIO(read_data(path, TABLE).decode("utf-8-sig"), newline="")
-    lines = csv.reader(("" if line.startswith("#") else line for line in file), skipinitialspace=True)
+    lines = csv.reader(_without_comments(file, columns), skipinitialspace=True)
     rows = [(lines.line_num, row) for row in lines if row]
     header = [cell.strip() for cell in rows[0][1]] if rows else []
     found = [[name for name in names if name in header] for names in columns]
-    if any(len(names) != 1 for names in found):
+    for names in found:
+        if len(names) > 1:
+            raise ParameterError(f"line {rows[0][0]}: {' and '.join(names)} are both there, expected one of them")
+    if any(not names for names in found):
+        for separator in ";\t":
+            if separator in "".join(header):
+                expected = "expected ',', and a point in decimals"
+                raise ParameterError(f"line {rows[0][0]}: columns are separated by {separator!r}, {expected}")
         wanted = [names[0] if len(names) == 1 else f"one of {' and '.join(names)}" for names in map(list, columns)]
         line = rows[0][0] if rows else 1
         raise ParameterError(f"line {line}: no header with the columns {', '.join(wanted[:-1])} and {wanted[-1]}")
+    for name in set(header) & set(unread):
+        place = header.index(name)
+        if any(_number(row[place] if place < len(row) else None, name, line) for line, row in rows[1:]):
+            raise ParameterError(f"line {rows[0][0]}: column {name} is not read, expected zeros in it, or none")
     if twice := [name for (name,) in found if header.count(name) > 1]:
         raise ParameterError(f"line {rows[0][0]}: column {twice[0]} stands there twice, allowed is once")
     chosen = [(name, header.index(name), names[name]) for (name,), names in zip(found, columns, strict=True)]
@@ -215,6 +233,21 @@ def _read(path: Path, columns: tuple[Mapping[str, float], ...]) -> list[tuple[fl
         tuple(factor * _number(row[place] if place < len(row) else None, name, line) for line, row in rows[1:])
         for name, place, factor in chosen
     ]
+
+
+def _without_comments(file: Iterable[str], columns: tuple[Mapping[str, float], ...]) -> Iterator[str]:
+    """The lines of a table, with nothing in place of comments; the first that names all columns is the header."""
+    begun = False
+    for line in file:
+        if not line.startswith("#"):
+            begun = begun or bool(line.strip())
+            yield line
+            continue
+        text = line.lstrip("# ")
+        cells = [cell.strip() for cell in text.split(",")]
+        is_header = not begun and all(any(name in cells for name in names) for names in columns)
+        begun = begun or is_header
+        yield text if is_header else ""
 
 
 def _number(text: str | None, column: str, line: int) -> float:

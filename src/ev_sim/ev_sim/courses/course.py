@@ -21,6 +21,7 @@ _COLUMNS = (
 )
 _FEWEST, _MOST = 12, 5000  # points
 _NEAREST, _FARTHEST = 0.5, 20.0  # [m], from one point to the next
+_SAME = 0.01  # [m]: a last point that repeats the first one, as some files close a course
 _RADIUS, _CHORDS = 30.0, 24  # of the circle that is there without a file
 _TURNS = [2.0 * math.pi * n / _CHORDS for n in range(_CHORDS)]
 
@@ -73,6 +74,9 @@ def with_course_from_file(parameters: CourseParameters) -> CourseParameters:
     """
 
     def course(*columns: tuple[float, ...]) -> CourseParameters:
+        x, y = columns[:2]
+        if len(x) > 1 and math.dist((x[0], y[0]), (x[-1], y[-1])) < _SAME:
+            columns = tuple(column[:-1] for column in columns)
         _refuse_number(len(columns[0]))
         for number, widths in enumerate(zip(*columns[2:], strict=True)):
             if min(widths) < 0.0:

@@ -10,10 +10,11 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_sim.courses.course import CourseParameters
 from ev_sim.courses.racing_line import RacingLine, racing_line
+from ev_sim.measures import motion
 from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.recording.recording import Recording
 
-_JUMP = 10.0  # [m] along the course between two samples, which only a car makes that cuts across
+_JUMP = 10.0  # [m] along the course between two samples: the nearest point is on another part of it, as at a crossing
 
 
 def line_of(course: CourseParameters | None, vehicle: Vehicle) -> RacingLine:
@@ -53,20 +54,20 @@ def path_error(run: Recording, vehicle: Vehicle, course: CourseParameters | None
 
 
 def leaves(run: Recording, vehicle: Vehicle, course: CourseParameters | None) -> float | None:
-    """When the outer wheels beside the centre of mass are first beyond an edge, or the car cuts across [s]; or None."""
+    """When the outer wheels beside the centre of mass are first beyond an edge [s]; or None.
+
+    The edges are those of the part of the course that the car has come to, so a car that cuts across leaves it.
+    """
     line, half = line_of(course, vehicle), 0.5 * max(vehicle.front_track, vehicle.rear_track)
     at, off = _beside(run, line)
     gone = np.where(off >= 0.0, off > line.left[at] - half, -off > line.right[at] - half)
-    along = np.concatenate(([0.0], np.cumsum(line.step)))
-    jump = np.abs(np.diff(along[at]))
-    gone[1:] |= np.minimum(jump, along[-1] - jump) > _JUMP
     return float(run.time[gone.argmax()]) if gone.any() else None
 
 
 def _beside(run: Recording, line: RacingLine) -> tuple[np.ndarray, np.ndarray]:
-    """The nearest point of a line, (n,), and how far left of the line the car is there, (n,) [m]."""
+    """The point of a line that the car has come to, (n,), and how far left of the line the car is there, (n,) [m]."""
     place = np.stack((channel(run, "pose.x"), channel(run, "pose.y")), axis=1)
-    at = _tree(line.points.tobytes()).query(place)[1]
+    at = _progress(line, place, motion.heading(run))
     found = np.full(len(place), np.inf)
     for begin in (at, at - 1):
         start, length = line.points[begin], line.step[begin]
@@ -76,6 +77,28 @@ def _beside(run: Recording, line: RacingLine) -> tuple[np.ndarray, np.ndarray]:
         side = np.where(leg[:, 0] * to[:, 1] - leg[:, 1] * to[:, 0] < 0.0, -1.0, 1.0)
         found = np.where(distance < np.abs(found), side * distance, found)
     return at, found
+
+
+def _progress(line: RacingLine, place: np.ndarray, heading: np.ndarray) -> np.ndarray:
+    """The points of a line (n,) by which a car goes along it: the nearest ones, but none on a part that crosses it."""
+    nearest = _tree(line.points.tobytes()).query(place)[1]
+    at = nearest.copy()
+    ways = np.roll(line.points, -1, axis=0) - line.points
+    # At the start any part may be near: the one that leads where the car points.
+    far = np.hypot(*(line.points - place[0]).T)
+    ahead = ways @ np.array((np.cos(heading[0]), np.sin(heading[0]))) > 0.0
+    near_by = far < far.min() + max(line.left.max(), line.right.max())
+    if (candidates := np.flatnonzero(near_by & ahead)).size:
+        at[0] = candidates[far[candidates].argmin()]
+    along = np.concatenate(([0.0], np.cumsum(line.step)))
+    length, count = along[-1], len(line.step)
+    reach = int(np.ceil(_JUMP / line.step.min()))
+    for n in range(1, len(at)):
+        jump = abs(along[nearest[n]] - along[at[n - 1]])
+        if min(jump, length - jump) > _JUMP:
+            window = (at[n - 1] + np.arange(-reach, reach + 1)) % count
+            at[n] = window[np.hypot(*(line.points[window] - place[n]).T).argmin()]
+    return at
 
 
 @lru_cache(8)
@@ -94,7 +117,11 @@ def _crossings(run: Recording, line: RacingLine) -> np.ndarray:
     x, y = channel(run, "pose.x") - start[0], channel(run, "pose.y") - start[1]
     passed, off = x * along[0] + y * along[1], y * along[0] - x * along[1]
     turns = np.diff((passed >= 0.0).astype(int))  # 1 forwards, -1 back
-    before = np.flatnonzero(turns * ((off[1:] < line.left[0]) & (-off[1:] < line.right[0])))
+    between = (off[1:] < line.left[0]) & (-off[1:] < line.right[0])
+    # A part of the course that crosses the one with the line passes it as well.
+    to_line = np.concatenate(([0.0], np.cumsum(line.step)))[_beside(run, line)[0][1:]]
+    there = np.minimum(to_line, line.step.sum() - to_line) < _JUMP + line.step.max()
+    before = np.flatnonzero(turns * (between & there))
     laps = np.cumsum(turns[before])
     before = before[laps > np.maximum.accumulate(np.append(0, laps[:-1]))]
     share = -passed[before] / (passed[before + 1] - passed[before])

@@ -113,20 +113,26 @@ def wanted_speed(parameters: SpeedProfileParameters, name: str = "speed_profile"
 
 P = TypeVar("P")  # a parameter dataclass with a group `speed_profile`
 _COLUMNS = ({"t_s": 1.0}, {"v_mps": 1.0, "v_kmh": 1 / 3.6})
+_GRADES = ("grade", "slope", "cycGrade")  # of a hill, which is a road of the plant and not of a cycle
 
 
 def with_profile_from_file(parameters: SpeedProfileParameters, name: str = "speed_profile") -> SpeedProfileParameters:
     """The same parameters with `time` [s] and `speed` [m/s] from `file` in place of the file's name.
 
     `name` is what the parameters are called. Parameters without a file come back as they are. The file is a CSV with a
-    header; the columns t_s and one of v_kmh and v_mps are read. Raises ParameterError, in one line that names the file,
-    if it cannot be read (`read_csv`) or holds speeds out of range or times that do not increase.
+    header; the columns t_s and one of v_kmh and v_mps are read, times from the first row on. Raises ParameterError, in
+    one line that names the file, if it cannot be read (`read_csv`), if it has a grade, or if it holds speeds out of
+    range or times that do not increase.
     """
 
     def profile(time: tuple[float, ...], speed: tuple[float, ...]) -> SpeedProfileParameters:
+        if time and time[0] != 0.0:
+            time = tuple(each - time[0] for each in time)
         return build(SpeedProfileParameters, {**flatten(parameters), "time": time, "speed": speed, "file": ""})
 
-    return read_csv(f"{name}.file", parameters.file, _COLUMNS, profile) if parameters.file else parameters
+    if not parameters.file:
+        return parameters
+    return read_csv(f"{name}.file", parameters.file, _COLUMNS, profile, _GRADES)
 
 
 def with_speed_profile_from_file(parameters: P) -> P:

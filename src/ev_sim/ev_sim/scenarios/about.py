@@ -88,7 +88,9 @@ class ScenarioParameters:
 
     about: str = setting("", about="one line for --list")
     vehicle: str = setting("audi_a2", about="name of a file in config/vehicles, or path of your own")
-    duration: float = setting(10.0, unit="s", low=0.01, high=LONGEST, about="simulated time of every run")
+    duration: float = setting(
+        10.0, unit="s", low=0.0, high=LONGEST, about="simulated time of every run; 0: what laps of a closed course take"
+    )
     runs: tuple[str, ...] = setting((), about="names of the runs, if there are several")
     slow_ramp: SlowRampParameters = group(SlowRampParameters)
     report: str = setting(

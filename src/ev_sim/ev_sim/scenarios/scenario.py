@@ -26,9 +26,12 @@ from ev_sim.scenarios.about import (
     vehicle_file,
     with_metrics,
 )
+from ev_sim.scenarios.lap_start import lap_start
 from ev_sim.scenarios.notes import notes_on
 from ev_sim.scenarios.parameter_file import ParameterFile, matches
 from ev_sim.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
+
+_DRIVER = "driver"
 
 
 @dataclass(frozen=True)
@@ -126,7 +129,8 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
         _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, SCENARIO_NODE) if file is car else tuple(ROLES))
     _refuse_unknown_overrides(overrides)
     duration = about.duration if overrides.duration is None else overrides.duration
-    if not 0 < duration <= LONGEST:
+    by_the_course = duration == about.duration == 0.0
+    if not 0 < duration <= LONGEST and not by_the_course:
         raise ParameterError(f"duration: {duration!r} is refused, allowed is more than 0 and at most {LONGEST:.0f} s")
     for run in only:
         if run not in namespaces:
@@ -246,7 +250,7 @@ def _run(name: str, sources: _Sources, duration: float, about: ScenarioParameter
         where = f"allowed in the section /**/{SCENARIO_NODE}{', or --duration' * (given[0] == 'duration')}"
         raise ParameterError(f"{MASTER}.{given[0]} is refused, {where}")
     values[MASTER] |= stated
-    configurations = {}
+    configurations: dict[str, Configuration] = {}
     for role in values:
         if not _is_played(role, values):
             continue
@@ -261,14 +265,18 @@ def _run(name: str, sources: _Sources, duration: float, about: ScenarioParameter
                     values[node].setdefault(parameter, value)
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}") from None
-    for role in values:
-        if not _is_played(role, values):
-            continue
+    played = [role for role in values if _is_played(role, values)]
+    for role in sorted(played, key=_DRIVER.__ne__):  # the driver first: his course has the start and the duration
         try:
             configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
             sources.refuse_before_a_file(configurations[role])
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}{sources.origin(role, error.parameter)}") from None
+        if role == _DRIVER and (start := lap_start(configurations[role])) is not None:
+            duration = duration or start.duration
+            values[MASTER] = {**start.values, **values[MASTER], "duration": duration}
+            values[MASTER]["manoeuvre_end"] = about.duration or duration
+    configurations = {role: configurations[role] for role in played}
     check_graph(configurations)
     period = configurations[MASTER].common.control_period
     if duration < period:
