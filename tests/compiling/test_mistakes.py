@@ -9,7 +9,7 @@ import pytest
 
 import ev_sim
 from ev_core.lockstep.finding import find_method
-from ev_msgs_py.contract.fields import SignalError
+from ev_core.methods.law_error import LawError
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main as run_scenario
 
@@ -175,7 +175,10 @@ def test_a_mistake_is_one_line(tmp_path: Path, name: str):
             f"assert fl < 0.0, 'it drives'; {first_wheel('fl')}",
             f"line {LINES + 1}: asr law mine: AssertionError: it drives",
         ),
-        (f"x = 1.0 if fl > 1e9 else None; {first_wheel('x')}", f"line {LINES - 4}: asr law mine: TypeError"),
+        (
+            f"x = 1.0 if fl > 1e9 else None; {first_wheel('x')}",
+            f"line {LINES - 4}: asr law mine: mine gives nothing",
+        ),
         (
             f"if fl >= 0.0: raise ValueError(fl)\n    {first_wheel('fl')}",
             f"line {LINES + 1}: asr law mine: ValueError: 0.0",
@@ -185,7 +188,7 @@ def test_a_mistake_is_one_line(tmp_path: Path, name: str):
 def test_what_a_compiled_law_raises_ends_the_run_with_its_line(tmp_path: Path, text: str, said: str):
     """Plain Python takes the step again, and has the line."""
     file = law_file(tmp_path, text)
-    with pytest.raises(SignalError, match=re.escape(f"at 0 s: asr: {file}, {said}")) as raised:
+    with pytest.raises(LawError, match=re.escape(f"at 0 s: {file}, {said}")) as raised:
         ev_sim.run("shchur2019", method={"asr": str(file)}, duration=0.1)
     assert "\n" not in str(raised.value)
 
@@ -297,6 +300,6 @@ def test_what_prepare_gives_is_refused_in_one_line(tmp_path: Path):
         DECLARATION.replace("state=S", "state=S, prepare=lambda p, v, t: [1.0]").replace("(p, s,", "(p, c, s,")
     )
     with pytest.raises(
-        ParameterError, match=r"my_law\.py, line 14: asr law mine: prepare gives list, allowed is a Named"
+        ParameterError, match=r"my_law\.py, line 14: asr law mine: TypeError: prepare gives a list of float, exp"
     ):
         ev_sim.run("shchur2019", method={"asr": str(file)}, duration=0.1)

@@ -144,7 +144,7 @@ def test_a_method_that_reads_what_its_role_may_not_is_refused(register, signal):
 def test_advance_counts_for_a_role_that_integrates(register):
     class Column:
         parameters = NoParameters
-        writes = ()
+        writes = (SteeringColumnState,)
 
         def step(self, command: WheelTorqueCommand):
             """Not what a column is stepped by."""
@@ -158,7 +158,7 @@ def test_advance_counts_for_a_role_that_integrates(register):
     method("steering_column", "test")(Column)
     found = find_method("steering_column", "test")
     assert found.reads == (DriverCommand,)
-    assert found.writes == ()
+    assert found.writes == (SteeringColumnState,)
 
 
 @pytest.mark.parametrize("name", ["powr_steering", "", None, 5, ["power_steering"]])

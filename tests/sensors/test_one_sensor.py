@@ -7,6 +7,8 @@ import zlib
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from sensors.rows import EVERYTHING, sensors, shown
 
 from ev_core.compiled.part import RowPart
@@ -37,6 +39,24 @@ def test_quantisation_gives_the_nearest_multiple():
     assert np.abs(steps - np.round(steps)).max() < 1e-12
     assert np.abs(got - true).max() <= 0.05 + 1e-12
     assert len(set(got.tolist())) == 61  # one number for each step, to the last bit
+
+
+@settings(max_examples=50, derandomize=True, deadline=None)
+@given(
+    range_=st.tuples(st.floats(-2.0, -0.01), st.floats(0.01, 2.0)),
+    quantisation=st.floats(0.01, 1.0),
+)
+def test_quantisation_shows_nothing_beyond_the_range(range_, quantisation):
+    """The last step within the range is the largest number that is shown, as of a converter of few bits."""
+    lowest, highest = range_
+    true = np.linspace(-3.0, 3.0, 201)
+    got = shown(true, quantisation=quantisation, lowest=lowest, highest=highest)
+    assert lowest <= got.min() and got.max() <= highest
+    steps = got / quantisation
+    assert np.abs(steps - np.round(steps)).max() < 1e-9
+    within = (true >= lowest + quantisation) & (true <= highest - quantisation)
+    assert (got[within] == shown(true, quantisation=quantisation)[within]).all()
+    assert (shown(got, quantisation=quantisation) == got).all()  # a step, to the last bit
 
 
 def test_delay_is_whole_periods_and_the_first_value_holds_until_then():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from itertools import combinations, pairwise
 
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 
 import ev_sim
 from ev_core.bus.model import BusModelParameters
+from ev_core.law import group, setting
 from ev_core.lockstep.configuration import configure
 from ev_core.sensors.random_numbers import seeded
 from ev_sim.learning.environment import Environment
@@ -90,6 +92,27 @@ def test_own_seeds_that_follow_are_valid_and_differ(seeds, own):
     found += [seeded(RoadParameters(pattern="random", seed=own ^ 1), seed).seed for seed in seeds if seed]
     assert len(set(found)) == len(found)
     assert all(0 <= seed < 2**31 for seed in found)
+
+
+@dataclass(frozen=True, slots=True)
+class Dice:
+    """A die of one's own."""
+
+    seed: int = setting(1, low=1, high=6, about="where the die begins")
+
+
+@dataclass(frozen=True, slots=True)
+class Player:
+    """Parameters of a law with its own seed in a group."""
+
+    die: Dice = group(Dice)
+
+
+@settings(max_examples=50, derandomize=True, deadline=None)
+@given(SEEDS)
+def test_an_own_seed_stays_in_its_declared_range(seed):
+    """A law may use it as an index."""
+    assert 1 <= seeded(Player(), seed).die.seed <= 6
 
 
 def test_no_two_streams_are_one():

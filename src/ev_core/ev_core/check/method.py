@@ -111,6 +111,8 @@ def _of(subject: Subject, seeds: Sequence[int], mirrored: bool) -> Iterator[str]
     unnamed = state.unnamed_state(subject)
     if unnamed:
         yield unnamed
+    elif resized := state.resized_by_live_change(subject):
+        yield f"{subject.form}, {resized}"
     for check in checks:
         found = _first(check(subject, seed) for seed in seeds)
         if found:

@@ -8,6 +8,7 @@ compiled and in plain Python, gives every number with the same bits.
 import copy
 import random
 from collections import Counter
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +16,10 @@ from ev_core.check.stepping import ExtremeInputs, MakesInputs, RandomInputs, Sub
 from ev_core.compiled.part import CompiledPart
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.parts import hand_over
+from ev_core.methods.law_error import LawError
 from ev_core.methods.part import Part, PythonPart
 from ev_core.methods.register import create
-from ev_core.parameters.declaration import entries
+from ev_core.parameters.declaration import Entry, entries
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import SignalError, shape_of
 
@@ -92,7 +94,10 @@ def unnamed_state(subject: Subject) -> str:
 
 def not_finite(subject: Subject, seed: int) -> str:
     """What goes wrong with plausible inputs; empty if every step gives finite numbers."""
-    part = subject.part()
+    try:
+        part = subject.part()
+    except LawError as error:
+        return f"it cannot be made: {error}"
     for step, here in enumerate(subject.frames(seed)):
         try:
             raw = stepped(part, here)
@@ -100,7 +105,37 @@ def not_finite(subject: Subject, seed: int) -> str:
             return f"plausible inputs, step {step}: {_one_line(error)}"
         if negative := _negative(subject, raw):
             return f"plausible inputs, step {step}: {negative}"
+    try:
+        part.notes()
+    except LawError as error:
+        return f"notes behind {subject.steps} steps: {error}"
     return "plausible inputs leave NaN in the state" if _holds_nan(part) else ""
+
+
+def resized_by_live_change(subject: Subject) -> str:
+    """Which parameter that may change in a run changes the length of the state; empty if none does."""
+    configuration = subject.configuration
+    size = np.size(subject.part().state)
+    for entry in entries(configuration.parameters):
+        for value in () if entry.spec.read_only else _other_values(entry):
+            try:
+                other = Subject(configuration.changed({entry.name: value}), subject.compiled, subject.steps).part()
+            except LawError as error:
+                return f"with {entry.name} = {value}: {error}"
+            except ValueError:  # a value that does not go with the others
+                continue
+            if (found := np.size(other.state)) != size:
+                lengths = f"{entry.name} = {entry.default} has {size} numbers, {value} has {found}"
+                return f"the state with {lengths}: what sets its length is to be declared read_only"
+    return ""
+
+
+def _other_values(entry: Entry) -> tuple[Any, ...]:
+    """The ends of the range of a number, or all choices of a text."""
+    if entry.is_array or entry.type is bool:
+        return ()
+    ends = tuple(end for end in (entry.spec.low, entry.spec.high) if end is not None)
+    return entry.spec.choices or tuple(entry.type(end) for end in ends)
 
 
 def not_refused(subject: Subject, seed: int) -> str:
@@ -113,7 +148,9 @@ def not_refused(subject: Subject, seed: int) -> str:
     for step, here in enumerate(extreme.frames(seed)):
         try:
             stepped(part, here)
-        except ValueError:
+        except ValueError as error:
+            if isinstance(error, LawError) and not isinstance(error.__cause__, ValueError):
+                return f"absurd inputs, step {step}: {error}; a refusal is a ValueError"
             part = subject.part()
         except Exception as error:  # as above
             return f"absurd inputs, step {step}: {_one_line(error)}; a refusal is a ValueError"
@@ -138,7 +175,7 @@ def _holds_nan(part: Part) -> bool:
 
 
 def _one_line(error: Exception) -> str:
-    return str(error) if isinstance(error, SignalError) else f"{type(error).__name__}: {error}"
+    return str(error) if isinstance(error, SignalError | LawError) else f"{type(error).__name__}: {error}"
 
 
 def differing_bits(configuration: Configuration, steps: int, seed: int, inputs: MakesInputs = RandomInputs) -> str:

@@ -14,15 +14,16 @@ import textwrap
 import traceback
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, redirect_stdout
-from difflib import get_close_matches
 from io import StringIO
 from pathlib import Path
-from types import FunctionType, SimpleNamespace
+from types import FunctionType
 from typing import Any
 
 from ev_core.compiled.part_source import law_of
 from ev_core.compiling.machine_code import TakesInterpreter
+from ev_core.methods.index_error import parsed
 from ev_core.methods.law import GIVEN, Law, LawObject
+from ev_core.methods.law_error import beginning, in_words, is_of_author
 from ev_core.methods.register import Method
 from ev_core.parameters.record import entries_without_number
 from ev_msgs_py.compilable import FUNCTIONS
@@ -34,7 +35,6 @@ from ev_msgs_py.contract.wheels import Wheels
 _PLACE = re.compile(r'File "(?P<file>[^"<]+)", line (?P<line>\d+)|Raised from (?P<path>\S+) \((?P<at>\d+)\)')
 _CALLED = re.compile(r"resolving callee type: Function\(<(?:built-in function|function|ufunc|class) '?([\w.]+)")
 _CAUSE = re.compile(r"(?:Failed in nopython mode pipeline.*\n\s*|raised a specific error:\n\s*\w+: (?!Failed))(\S.*)")
-_OTHERS = "site-packages"  # of a path: no text of ours or of the user
 # What an author puts in to look at a law; the compiler knows print, but its code cannot be called without Python.
 _DEBUGGING = ("print", "breakpoint", "input")
 _IN_PYTHON = "needs Python, which runs it, slower and with the same numbers"
@@ -99,7 +99,8 @@ def wrong_text(method: Method, functions: Iterable[FunctionType]) -> str:
     marked = set(FUNCTIONS)
     for function in filter(marked.__contains__, functions):
         own = function in (law.function, law.outputs)
-        for node, what in _wrong(function, tuple(inspect.signature(function).parameters) if own else ()):
+        found = _wrong(function, tuple(inspect.signature(function).parameters) if own else ())
+        for node, what in (*found, *(_shared(function, law.state()) if own else ())):
             file, line = beginning(function)
             return line_about(method, file, line + node.lineno - 1, what)
     return ""
@@ -144,6 +145,44 @@ def _wrong(function: FunctionType, arguments: tuple[str, ...]) -> Iterator[tuple
             yield node, f"{name} is written, {root} is only read: {instead}"
 
 
+def _shared(function: FunctionType, state: Any) -> Iterator[tuple[ast.stmt, str]]:
+    """Where several numbers of the state are assigned as one: compiled they are copied, in plain Python shared."""
+    for node in (each for each in ast.walk(_tree(function)) if isinstance(each, ast.Assign)):
+        for target in node.targets:
+            for place, value in _pairs(target, node.value):
+                whole = (
+                    value.value if isinstance(value, ast.Subscript) and isinstance(value.slice, ast.Slice) else value
+                )
+                if isinstance(_in_state(place, state), list) and isinstance(_in_state(whole, state), list):
+                    to, of = ast.unparse(place), ast.unparse(value)
+                    yield node, f"{to} = {of} may make them one list, numbers are copied by {to}[:] = {of}"
+
+
+def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
+    """Targets and values of an assignment, one by one where both are tuples."""
+    if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+        return list(zip(target.elts, value.elts, strict=False))
+    return [(target, value)]
+
+
+def _whole(value: ast.expr) -> ast.expr:
+    """What a slice is one of; anything else as it is."""
+    return value.value if isinstance(value, ast.Subscript) and isinstance(value.slice, ast.Slice) else value
+
+
+def _in_state(node: ast.expr, state: Any) -> Any:
+    """What an expression such as s.ring or s.wheels[i].ring is in a state; None if it is anything else."""
+    match node:
+        case ast.Name(id="s"):
+            return state
+        case ast.Attribute(value=of, attr=name):
+            return getattr(_in_state(of, state), name, None)
+        case ast.Subscript(value=of, slice=place) if not isinstance(place, ast.Slice):
+            each = _in_state(of, state)
+            return each[0] if isinstance(each, list) else None
+    return None
+
+
 def _is_text(node: ast.AST) -> bool:
     return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
@@ -160,14 +199,6 @@ def _tree(function: Callable[..., Any]) -> ast.AST:
     try:
         return parsed(textwrap.dedent(inspect.getsource(function)) if function.__name__ != "<lambda>" else "")
     except OSError:
-        return ast.Module([], [])
-
-
-def parsed(text: str) -> ast.AST:
-    """A text; that of an empty module where it is no Python, as part of one may be."""
-    try:
-        return ast.parse(text)
-    except SyntaxError:
         return ast.Module([], [])
 
 
@@ -188,9 +219,9 @@ def _in_python(method: Method, made: LawObject) -> tuple[str, int, str] | None:
         with _unseen():
             return _of_answer(method, made)
     except Exception as error:  # whatever the law raises
-        frames = [each for each in traceback.extract_tb(error.__traceback__) if is_theirs(each.filename)]
+        frames = [each for each in traceback.extract_tb(error.__traceback__) if is_of_author(each.filename)]
         at = frames[-1] if frames else None
-        return (at.filename, at.lineno or 0, _in_words(error)) if at and at.filename != __file__ else None
+        return (at.filename, at.lineno or 0, in_words(error)) if at and at.filename != __file__ else None
 
 
 def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
@@ -221,18 +252,10 @@ def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
     return None
 
 
-def _in_words(error: Exception) -> str:
-    if not isinstance(error, AttributeError) or error.obj is None:
-        return str(error)
-    known = vars(error.obj) if isinstance(error.obj, SimpleNamespace) else getattr(error.obj, "_fields", ())
-    nearest = " or ".join(get_close_matches(error.name or "", known))
-    return f"{error.name} is not known here" + (f", perhaps {nearest} is meant" if nearest else "")
-
-
 def _of_compiler(law: Law, error: BaseException) -> tuple[str, int, str]:
     """What the compiler found, at the last line of no library that it names."""
     text = str(error)
-    places = [found for found in _PLACE.finditer(text) if is_theirs(found["file"] or found["path"])]
+    places = [found for found in _PLACE.finditer(text) if is_of_author(found["file"] or found["path"])]
     for pattern, meaning in _MEANINGS:
         if found := re.search(pattern, text):
             what = found.expand(meaning)
@@ -245,14 +268,3 @@ def _of_compiler(law: Law, error: BaseException) -> tuple[str, int, str]:
         return *beginning(law.function), what
     place = places[-1]
     return str(Path(place["file"] or place["path"]).resolve()), int(place["line"] or place["at"]), what
-
-
-def is_theirs(file: str) -> bool:
-    """Whether a file has a text of ours or of the user."""
-    return _OTHERS not in file and not file.startswith(("<", "numba/"))
-
-
-def beginning(function: Any) -> tuple[str, int]:
-    """File and line in which the text of a function begins."""
-    code = inspect.unwrap(function).__code__
-    return code.co_filename, code.co_firstlineno

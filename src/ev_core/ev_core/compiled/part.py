@@ -19,6 +19,7 @@ from ev_core.compiling.machine_code import FUNCTION, Code, function_address, key
 from ev_core.faults import row
 from ev_core.faults.row import FaultRow
 from ev_core.methods.law import Given
+from ev_core.methods.law_error import LawError, beginning, in_law, named, notes_of
 from ev_core.methods.part import PythonPart
 from ev_core.methods.register import Method, create
 from ev_core.parameters.record import fill, numbers
@@ -35,9 +36,15 @@ def code_of(method: Method, given: Given) -> Code:
     return Code(_name(method), *part_source(method, given))
 
 
+def given_to(method: Method, parameters: Any, vehicle: Any, period: float) -> Given:
+    """What the functions of a method are given; LawError if its author's text fails there."""
+    with in_law(method):
+        return Given(law_of(method), parameters, vehicle, period)
+
+
 def code_key(method: Method, parameters: Any, vehicle: Any, period: float) -> str:
     """The name under which the machine code of a method is kept."""
-    return key_of(*code_of(method, Given(law_of(method), parameters, vehicle, period)))
+    return key_of(*code_of(method, given_to(method, parameters, vehicle, period)))
 
 
 class NeedsPython(ParameterError):
@@ -46,7 +53,7 @@ class NeedsPython(ParameterError):
 
 @contextmanager
 def in_one_line(method: Method, parameters: Any, vehicle: Any, period: float) -> Iterator[Callable[[Reach], None]]:
-    """In the block a law that cannot be compiled is one line, ParameterError; what is given looks at its text."""
+    """In the block a law that cannot be compiled is one line, LawError; what is given looks at its text."""
     reached: list[FunctionType] = []
 
     def look_at(reach: Reach) -> None:
@@ -55,7 +62,7 @@ def in_one_line(method: Method, parameters: Any, vehicle: Any, period: float) ->
         reached.extend(reach.functions.values())
         found = mistakes.wrong_text(method, reach.functions.values())
         if found := found or mistakes.wrong_answer(method, parameters, vehicle, period):
-            raise ParameterError(found)
+            raise LawError(found)
 
     try:
         yield look_at
@@ -66,16 +73,19 @@ def in_one_line(method: Method, parameters: Any, vehicle: Any, period: float) ->
 
         if text := needs_python(method, reached, error):
             raise NeedsPython(text) from error
-        raise ParameterError(mistake(method, parameters, vehicle, period, error)) from error
+        raise LawError(mistake(method, parameters, vehicle, period, error)) from error
 
 
 def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
     """Whether the machine code of a method is on disk, so that nobody has to wait for the compiler."""
-    return code_of(method, Given(law_of(method), parameters, vehicle, period)).is_kept()
+    return code_of(method, given_to(method, parameters, vehicle, period)).is_kept()
+
+
+_LONGEST = 100  # characters of a name that becomes that of files in the cache
 
 
 def _name(method: Method) -> str:
-    return f"{Path(method.name).stem}_{method.role}"  # of a law file, whose name is a path
+    return f"{Path(method.name).stem[:_LONGEST]}_{method.role}"  # of a law file, whose name is a path
 
 
 class CompiledPart:
@@ -90,23 +100,27 @@ class CompiledPart:
     def __init__(
         self, method: Method, parameters: Any, vehicle: Any, period: float, like: CompiledPart | None = None
     ) -> None:
-        self.given = Given(law_of(method), parameters, vehicle, period)
         self._made_of = (method, parameters, vehicle, period)
+        self._method = method
+        self.given = given_to(method, parameters, vehicle, period)
+        with in_law(method, law_of(method).prepare):
+            self.constants = constants_row(self.given.trees, self.given.values["c"], period)
+            row = numbers(self.given.values["s"])
         with in_one_line(method, parameters, vehicle, period) as look_at:
             self._code = code_of(method, self.given)
             if like is not None and like._code.names is self._code.names:
                 self.function = like.function
             else:
                 self.function = function_address(*self._code, look_at)
-        self.constants = constants_row(self.given.trees, self.given.values["c"], period)
-        self._state = np.array(numbers(self.given.values["s"]) or [0.0])
+        memory = np.array(row or [0.0])  # an address, also where nothing lasts
+        self._state = memory[: len(row)]
         notes = law_of(method).notes
         self._notes = self.given.bound(notes) if notes else None
         self._writes = [(shape_of(signal), frame.PLACES[signal]) for signal in method.writes]
         self._begin, self._end = frame.span(method.writes)
         self._call = FUNCTION(self.function)
         self.is_checked = is_checked(method)
-        self._memory = (self._state.ctypes.data, self.constants.ctypes.data)
+        self._memory = (memory.ctypes.data, self.constants.ctypes.data)
 
     @property
     def state(self) -> np.ndarray:
@@ -115,6 +129,8 @@ class CompiledPart:
 
     @state.setter
     def state(self, row: Any) -> None:
+        if len(row) != len(self._state):
+            raise ParameterError(f"a state of {len(row)} numbers is refused, expected are {len(self._state)}")
         self._state[:] = row
 
     def start(self, there: Frame) -> None:
@@ -136,15 +152,13 @@ class CompiledPart:
 
         return (interruptible(call) if self.is_checked else call()) != 0
 
-    def raised(self, numbers: Sequence[float] | None, state: np.ndarray | None = None) -> SignalError:
+    def raised(self, numbers: Sequence[float] | None, state: np.ndarray | None = None) -> ValueError:
         """What the step raises that has just failed: plain Python takes it again, from the same state.
 
         `numbers` are those of the frame that it read, None at the start; the state is that of the part, or the one
         that it was stepped with.
         """
-        from ev_core.compiled.raised import raised, raised_in_compiled_code_alone
-
-        method = self._made_of[0]
+        method = self._method
         plain = PythonPart(method, create(*self._made_of))
         try:
             if numbers is None:
@@ -154,11 +168,11 @@ class CompiledPart:
                 here.numbers[: len(numbers)] = frame.numbers_of(numbers)
                 plain.state = (self._state if state is None else state)[: len(plain.state)].tolist()
                 plain.step(here, Frame())
-        except Exception as error:  # whatever a law raises
-            made = SignalError(raised(method, error))
-            made.__cause__ = error  # which --traceback shows
-            return made
-        return SignalError(raised_in_compiled_code_alone(method))
+        except (LawError, SignalError) as error:
+            return error
+        what = "its compiled form raises an exception where plain Python raises none; run it without @compilable"
+        file, line = beginning(law_of(method).function)
+        return LawError(f"{file}, line {line}: {method.role} law {named(law_of(method).function)}: {what}")
 
     def refuse_not_finite(self, there: Frame) -> None:
         """SignalError if a number that it wrote is not finite."""
@@ -173,9 +187,11 @@ class CompiledPart:
 
     def notes(self) -> tuple[str, ...]:
         """The law's declaration of its state."""
-        if self._notes:
-            fill(self.given.values["s"], self._state.tolist())
-        return self._notes() if self._notes else ()
+        if not self._notes:
+            return ()
+        fill(self.given.values["s"], self._state.tolist())
+        with in_law(self._method):
+            return notes_of(self._notes)
 
 
 _TEXT = '''"""Behind a part: generated, do not edit."""

@@ -28,6 +28,7 @@ from typing import Any
 import numpy as np
 
 from ev_core.methods.law import Given, Law, given_names
+from ev_core.methods.law_error import kind_of
 from ev_core.methods.register import Method
 from ev_core.parameters.record import numbers, record_type, shape_of_record, working_memory
 from ev_msgs_py.compilable import compilable
@@ -64,7 +65,10 @@ def constants_row(trees: Mapping[str, Any], c: Any, period: float) -> np.ndarray
     for leaf in leaves:
         if isinstance(leaf, tuple):
             head += [float(place + len(tables)), float(len(leaf))]
-            tables += map(float, leaf)
+            try:
+                tables += map(float, leaf)
+            except (TypeError, ValueError):
+                raise _wrong_constant(leaf) from None
         else:
             head.append(float(leaf))
     row = np.array(head + tables)
@@ -72,12 +76,16 @@ def constants_row(trees: Mapping[str, Any], c: Any, period: float) -> np.ndarray
     return row
 
 
+def _wrong_constant(c: Any) -> TypeError:
+    return TypeError(f"prepare gives {kind_of(c)}, expected a NamedTuple of numbers and tuples of numbers")
+
+
 def _leaves(c: Any) -> list[Any]:
     if c is None:
         return []
     if not hasattr(c, "_fields"):
         if not isinstance(c, (int, float, tuple, np.number)) and not is_dataclass(c):
-            raise TypeError(f"prepare gives {type(c).__name__}, allowed is a NamedTuple of numbers and tuples")
+            raise _wrong_constant(c)
         return [c]
     return [leaf for value in c for leaf in _leaves(value)]
 

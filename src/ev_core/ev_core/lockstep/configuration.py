@@ -11,6 +11,7 @@ from ev_core.faults.fault import FaultParameters
 from ev_core.faults.row import refuse_faults
 from ev_core.lockstep.finding import find_method, text_of
 from ev_core.methods.hooks import ReadingFiles
+from ev_core.methods.law_error import WrongResultError, in_law
 from ev_core.methods.register import CommonParameters, Method, create, methods_of, refuse_layout, refuse_taken
 from ev_core.parameters.declaration import Entry, Spec, defaults, entries, flatten
 from ev_core.parameters.values import entries_by_name, replaced
@@ -206,7 +207,7 @@ def _fitting(configuration: Configuration) -> Configuration:
     from_files = _changed(common.vehicle, vehicle, _VEHICLE)
     common = dataclasses.replace(common, vehicle=vehicle)
     if isinstance(method.factory, ReadingFiles):
-        parameters = method.factory.load_files(parameters)
+        parameters = _with_files(method, parameters)
     from_files += _changed(configuration.parameters, parameters)
     if configuration.extra is not None:
         configuration.extra.refuse_beside(common)
@@ -214,6 +215,16 @@ def _fitting(configuration: Configuration) -> Configuration:
     has_car, period = hasattr(parameters, "faults"), common.control_period
     refuse_faults(configuration.role, configuration.faults, method.writes, has_car, period)
     return dataclasses.replace(configuration, common=common, parameters=parameters, from_files=from_files)
+
+
+def _with_files(method: Method, parameters: Any) -> Any:
+    """Parameters with what their files hold; LawError if the author's function gives anything else."""
+    load = method.factory.load_files
+    with in_law(method):
+        loaded = load(parameters)
+        if not isinstance(loaded, type(parameters)):
+            raise WrongResultError(load, loaded, f"{type(parameters).__name__}: return the parameters")
+    return loaded
 
 
 def _changed(before: Any, after: Any, prefix: str = "") -> tuple[str, ...]:

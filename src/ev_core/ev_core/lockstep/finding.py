@@ -60,7 +60,7 @@ def _run(who: str, path: Path, text: bytes) -> dict[str, dict[str, Method]]:
     module = sys.modules[name] = module_from_spec(spec)
     try:
         return registered_by(name, lambda: exec(compile(text, path, "exec"), vars(module)))
-    except Exception as error:  # whatever somebody's file raises
+    except (Exception, SystemExit) as error:  # whatever somebody's file raises
         raise ParameterError(f"{who}: {_line_of(error, path)}{type(error).__name__}: {error}", "method") from error
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import copy
-import ctypes
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from contextlib import suppress
 from typing import Any
 
-from ev_core.compiling.machine_code import FUNCTION, can_be_kept
+import numpy as np
+
+from ev_core.compiling.machine_code import can_be_kept
 from ev_core.faults.row import FaultRow, of_signals
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.part import CalledBack, Part, PythonPart
@@ -17,30 +18,27 @@ from ev_msgs_py.contract.frame import TIME, Frame
 from ev_msgs_py.refusal import ParameterError
 
 
-class Restart:
+class Restart(CalledBack):
     """Puts a part back to its start at the instants at which it begins anew."""
 
-    error: BaseException | None = None
     state = None  # nothing lasts but that of the part
 
     def __init__(self, part: Any, ends: Collection[float], period: float) -> None:
         self._part, self._period = part, period
         self._first = copy.deepcopy(part.state)
         self._ends = ends
-        self._function = FUNCTION(self._called_back)
 
     def before(self, time: float) -> None:
         """Called before the part answers at a time [s]."""
         if round(time / self._period) in self._ends:
             self._part.state = copy.deepcopy(self._first)
 
-    def addresses(self) -> tuple[int, int, int]:
-        """Of the function that compiled code calls before the part's."""
-        return ctypes.cast(self._function, ctypes.c_void_p).value or 0, 0, 0
+    def start(self, there: Frame) -> None:
+        """Nothing: the part is at its start."""
 
-    def _called_back(self, here: int | None, _there: int, _state: int | None, _constants: int | None) -> int:
-        self.before(ctypes.c_double.from_address((here or 0) + TIME * ctypes.sizeof(ctypes.c_double)).value)
-        return 0
+    def step(self, here: Frame, there: Frame) -> None:
+        """Called by compiled code before the part answers."""
+        self.before(here.numbers[TIME])
 
     def notes(self) -> tuple[str, ...]:
         """Nothing: it stands in the parameters."""
@@ -216,9 +214,19 @@ def compiled_part(configuration: Configuration, like: Any = None) -> Any:
     return CompiledPart(configuration.method, configuration.given, common.vehicle, common.control_period, like)
 
 
-def hand_over(before: Part, after: Part) -> None:
-    """Let a part go on with the state of another one of its method; sensors and faults too where both have the same."""
-    bare(after).state = bare(before).state
+def hand_over(before: Part, after: Part, changed: Iterable[str] = ()) -> None:
+    """Let a part go on with the state of another one of its method; sensors and faults too where both have the same.
+
+    ParameterError that names the `changed` parameters if the state has another length with them.
+    """
+    state = bare(before).state
+    had, has = np.size(state), np.size(bare(after).state)
+    if had != has:
+        raise ParameterError(
+            f"{', '.join(changed)}: a state of {had} numbers would have {has}, expected as many; "
+            "a parameter that sets the length of the state is to be declared read_only"
+        )
+    bare(after).state = state
     if isinstance(before, Sensed) and isinstance(after, Sensed):
         after.go_on_from(before)
 

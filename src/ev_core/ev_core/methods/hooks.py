@@ -14,9 +14,12 @@ The class itself has `parameters`, the parameter dataclass, and may have
 - `mirrored`, whether left and right are alike to it: `check.mirror` defines it.
 """
 
+from collections.abc import Mapping
 from typing import Any, Protocol, runtime_checkable
 
-from ev_msgs_py.contract.roles import ROLES, RoleKind
+from ev_core.parameters.declaration import entries
+from ev_msgs_py.contract.roles import ROLES, Role, RoleKind
+from ev_msgs_py.refusal import shown
 
 
 @runtime_checkable
@@ -75,3 +78,21 @@ def refuse_lacking(role: str, name: str, defined: type) -> None:
             f"{role} method {name}: class {defined.__name__} lacks {' and '.join(lacking)} "
             f"(see {protocol.__name__} in methods/hooks.py)"
         )
+
+
+def refuse_wrong_declaration(who: str, role: Role, factory: Any) -> None:
+    """TypeError, in one line that `who` begins, for what a law or a class declares besides its functions."""
+    writes, may_write = getattr(factory, "writes", None), ", ".join(each.__name__ for each in role.may_write)
+    if writes is not None and (not isinstance(writes, tuple) or not writes):
+        raise TypeError(f"{who}: writes={shown(writes)} is refused, expected a tuple of {may_write}: writes=(A,)")
+    for signal in writes or ():
+        if signal not in role.may_write:
+            asked = getattr(signal, "__name__", shown(signal))
+            raise TypeError(f"{who}: a {role.name} does not write {asked}, expected {may_write} (see roles.py)")
+    for name in ("requires", "in_real_time"):
+        if not isinstance(given := getattr(factory, name, {}), Mapping):
+            raise TypeError(f"{who}: {name}={shown(given)} is refused, expected a mapping by role")
+    for entry in entries(factory.parameters):
+        group, _, last = entry.name.rpartition(".")
+        if group and last == "seed" and (entry.type is not int or entry.is_array):
+            raise TypeError(f"{who}: {entry.name} is no whole number, expected int: --seed makes another one of it")

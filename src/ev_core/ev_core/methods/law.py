@@ -9,6 +9,7 @@ from functools import cache, lru_cache, partial
 from types import MappingProxyType, SimpleNamespace
 from typing import Any, TypeVar
 
+from ev_core.methods.law_error import WrongResultError, named
 from ev_core.parameters.declaration import number_tree
 from ev_core.parameters.record import entries_without_number, fill, names, numbers
 from ev_core.vehicle.car import car_numbers
@@ -115,6 +116,11 @@ def declared_law(who: str, function: Callable[..., Any], parameters: type, how: 
     for name, there, argument in (("s", state is not NoState or law.start, "state"), ("c", law.prepare, "prepare")):
         if name in asked and not there:
             raise TypeError(f"{who}: {name} is asked for and not made, declare {argument}=")
+    for hook in filter(None, (law.outputs, law.notes, law.start)):
+        given = [name for name in GIVEN if name != "s" or hook is not law.start]
+        for each in inspect.signature(hook).parameters.values():
+            if each.name not in given and each.default is each.empty:
+                raise TypeError(f"{who}: {named(hook)} asks for {each.name}, expected are only {', '.join(given)}")
     for each in asked.values():
         if each.kind in (each.VAR_POSITIONAL, each.VAR_KEYWORD):
             raise TypeError(f"{who}: {each.name} stands for any number of arguments, name each signal")
@@ -130,6 +136,8 @@ class Given:
         self.values: dict[str, Any] = {"p": namespace(self.trees["p"]), "car": car, "period": period}
         self.values["c"] = law.prepare(parameters, vehicle, period) if law.prepare else None
         self.values["s"] = self.bound(law.start)() if law.start else law.state()
+        if law.start and not isinstance(self.values["s"], law.state):
+            raise WrongResultError(law.start, self.values["s"], f"{law.state.__name__}(...)")
 
     def bound(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """The function with what it asks for; the signals are still to be given."""

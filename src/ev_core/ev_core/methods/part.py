@@ -10,14 +10,18 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any, Protocol
 
+import numpy as np
+
 from ev_core.compiling.machine_code import FUNCTION
 from ev_core.methods.hooks import Reporting
+from ev_core.methods.law_error import BY_AUTHORS, WrongResultError, in_law, notes_of, raise_in_one_line
 from ev_core.methods.register import Method
 from ev_msgs_py.contract import frame
-from ev_msgs_py.contract.fields import shape_of
-from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.contract.fields import Shape, shape_of
+from ev_msgs_py.contract.frame import TIME, Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 
 class Part(Protocol):
@@ -68,42 +72,59 @@ class PythonPart(CalledBack):
     """An object whose steps run in plain Python."""
 
     def __init__(self, method: Method, made: Any, note: str = "") -> None:
-        self.made = made
+        self.made, self._method = made, method
         self._note = (note,) if note else ()
         self._reads = tuple(_reader(signal) for signal in method.reads)
         self._writes = tuple(_writer(signal) for signal in method.writes)
         self._answers = ROLES[method.role].kind is RoleKind.ANSWERS
-        self._answer = self._writes[0] if self._answers and len(self._writes) == 1 else None
+        self._single = self._answers and len(self._writes) == 1
+        self._outputs = method.law.outputs if method.law else getattr(made, "outputs", None)
         self._shapes = tuple((shape_of(signal), frame.PLACES[signal]) for signal in method.writes)
         self._reports = made.reports if isinstance(made, Reporting) else None
 
     @property
     def state(self) -> Any:
         """The state of the object."""
-        return self.made.state
+        with in_law(self._method):
+            return self.made.state
 
     @state.setter
     def state(self, state: Any) -> None:
-        self.made.state = state
+        with in_law(self._method):
+            self.made.state = state
 
     def start(self, there: Frame) -> None:
         """Write the initial outputs."""
-        self._write(self.made.outputs(), there.numbers)
+        with in_law(self._method):
+            self._write(self.made.outputs(), there.numbers, self._outputs)
 
     def step(self, here: Frame, there: Frame) -> None:
         """One step of the object."""
         signals = [read(here.numbers) for read in self._reads]
-        if self._answer is not None:
-            self._answer(there.numbers, self.made.step(*signals))
-        elif self._answers:
-            self._write(self.made.step(*signals), there.numbers)
-        else:
-            self.made.advance(*signals)
-            self._write(self.made.outputs(), there.numbers)
+        try:  # no `in_law`, which takes longer than many a law
+            if self._answers:
+                self._write(self.made.step(*signals), there.numbers, self.made.step)
+            else:
+                self.made.advance(*signals)
+                self._write(self.made.outputs(), there.numbers, self._outputs)
+        except BY_AUTHORS as error:
+            raise_in_one_line(self._method, error, here.numbers[TIME])
 
-    def _write(self, output: tuple[Any, ...], there: Any) -> None:
-        for write, signal in zip(self._writes, output, strict=True):
-            write(there, signal)
+    def _write(self, output: Any, there: Any, by: Any) -> None:
+        """Put what a function gives into the frame; WrongResultError unless it has the shape of what is written."""
+        if self._single:
+            output = (output,)
+        elif type(output) is not tuple or len(output) != len(self._writes):
+            names = ", ".join(shape.signal.__name__ for shape, _ in self._shapes)
+            raise WrongResultError(by, output, f"a tuple of {names}")
+        for write, signal, (shape, _) in zip(self._writes, output, self._shapes, strict=True):
+            if type(signal) is not shape.signal:
+                expected = shape.signal.__name__
+                raise WrongResultError(by, signal, f"{expected}: return {expected}(...)")
+            try:
+                write(there, signal)
+            except TypeError as error:
+                raise WrongResultError(by, *_wrong_field(shape, signal)) from error
 
     def refuse_not_finite(self, there: Frame) -> None:
         """SignalError if a number that it wrote is not finite."""
@@ -114,7 +135,10 @@ class PythonPart(CalledBack):
 
     def notes(self) -> tuple[str, ...]:
         """What the object reports, behind the note of who has made it."""
-        return (*self._note, *(self._reports() if self._reports else ()))
+        if self._reports is None:
+            return self._note
+        with in_law(self._method):
+            return (*self._note, *notes_of(self._reports))
 
 
 def _reader(signal: type) -> Callable[[Any], Any]:
@@ -131,7 +155,12 @@ def _writer(signal: type) -> Callable[[Any, Any], None]:
     per_wheel, has_single = shape.per_wheel, shape.has_single
 
     def write(there: Any, output: Any) -> None:
-        values = sum(output, ()) if per_wheel else output
+        values = output
+        if per_wheel:
+            for each in output:
+                if len(each) != len(WHEEL_NAMES):
+                    raise TypeError("no Wheels")
+            values = sum(output, ())
         if has_single:
             values = shape.carried(values)
         if not math.isfinite(sum(values)):
@@ -139,3 +168,15 @@ def _writer(signal: type) -> Callable[[Any, Any], None]:
         there[place] = array("d", values)
 
     return write
+
+
+def _wrong_field(shape: Shape, signal: Any) -> tuple[Any, str]:
+    """The first field of a signal that is no number, or not one for each wheel, and what is expected there."""
+    for name, value in zip(signal._fields, signal, strict=True):
+        where = f"as {name} of its {shape.signal.__name__}"
+        if shape.per_wheel and (not isinstance(value, tuple) or len(value) != len(WHEEL_NAMES)):
+            return value, f"Wheels(a, b, c, d) {where}"
+        for number in value if shape.per_wheel else (value,):
+            if not isinstance(number, (int, float, np.number)):
+                return number, f"a number {where}"
+    return signal, f"numbers in its {shape.signal.__name__}"

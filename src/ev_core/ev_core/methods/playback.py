@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -73,12 +74,31 @@ class RecordedRole:
         if TIME not in arrays or not self.writes:
             topics = ", ".join(TOPICS[signal].name for signal in ROLES[role].writes)
             raise ParameterError(f"{role} method {name}: a {role} says {topics}, none of it is in the file", "method")
-        self.last = stamps.from_seconds(float(arrays[TIME][-1]))
-        self.instants = len(arrays[TIME])
-        self.rows = [
-            (PLACES[signal], np.stack([arrays[channel] for channel in TOPICS[signal].channels], axis=1))
-            for signal in self.writes
-        ]
+        self.stamps = self._stamps(arrays[TIME])
+        self.last, self.instants = int(self.stamps[-1]), len(self.stamps)
+        self.rows = [(PLACES[signal], self._rows(arrays, TOPICS[signal].channels)) for signal in self.writes]
+
+    def _stamps(self, times: np.ndarray) -> np.ndarray:
+        """The recorded instants [ns]; ParameterError if there are none, or if one is no number."""
+        if not len(times):
+            raise ParameterError(f"{self.role} method {self.name}: the file has no instants, expected one or more")
+        if not np.isfinite(times).all():
+            at = int(np.argmin(np.isfinite(times)))
+            raise ParameterError(
+                f"{self.role} method {self.name}: {TIME} {at} is {times[at]}, expected a finite number"
+            )
+        found: np.ndarray = np.rint(times.astype(float) * stamps.NANOSECONDS).astype(np.int64)
+        return found
+
+    def _rows(self, arrays: dict[str, np.ndarray], channels: Sequence[str]) -> np.ndarray:
+        """The recorded numbers of a signal, (instants, numbers); ParameterError if a channel has more or fewer."""
+        for channel in channels:
+            if len(arrays[channel]) != self.instants:
+                raise ParameterError(
+                    f"{self.role} method {self.name}: {channel} has {len(arrays[channel])} numbers, "
+                    f"{TIME} has {self.instants}, expected as many"
+                )
+        return np.stack([arrays[channel].astype(float) for channel in channels], axis=1)
 
     def has(self, signal: type) -> bool:
         """Whether all channels of a signal were recorded."""
@@ -87,7 +107,14 @@ class RecordedRole:
 
     def __call__(self, parameters: Any, vehicle: Any, period: float) -> RecordedRole:
         """Itself, for nothing lasts between steps; ParameterError if it was recorded with another period."""
-        if (self.instants - 1) * stamps.from_seconds(period) != self.last:
+        wrong = self.stamps != np.arange(self.instants) * stamps.from_seconds(period)
+        if wrong.any() and self.stamps[-1] == (self.instants - 1) * stamps.from_seconds(period):
+            at = int(np.argmax(wrong))
+            raise ParameterError(
+                f"{self.role} method {self.name}: {TIME} {at} is {stamps.to_seconds(int(self.stamps[at])):g} s, "
+                f"expected {at * period:g} s: the instants follow each other by the control_period of {period:g} s"
+            )
+        if wrong.any():
             raise ParameterError(
                 f"{self.role} method {self.name}: {self.instants} instants up to {stamps.to_seconds(self.last):g} s "
                 f"are none of a control_period of {period:g} s"

@@ -13,8 +13,9 @@ from functools import cache
 from typing import Any, TypeVar
 
 from ev_core.faults.fault import FaultParameters
-from ev_core.methods.hooks import refuse_lacking
+from ev_core.methods.hooks import refuse_lacking, refuse_wrong_declaration
 from ev_core.methods.law import Law, declared_law, given_names
+from ev_core.methods.law_error import in_law
 from ev_core.parameters.data_file import entry_points
 from ev_core.parameters.declaration import entries, group, setting
 from ev_core.parameters.values import entries_by_name, refuse_undeclared
@@ -77,6 +78,7 @@ T = TypeVar("T")
 
 NODES = "ev_stack.nodes"  # of entry points, named after their roles
 SENSORS = "sensors"  # the group of a node's sensors
+OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides")  # parameters and groups of ROS itself
 (FAULTS,) = entries(FaultParameters)
 RECORDINGS = ".npz"  # what the path of recorded signals ends with
 _REGISTER: dict[str, dict[str, Method]] = {}
@@ -186,6 +188,7 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
         else:
             refuse_lacking(role, name, factory)
         refuse_undeclared(who, factory.parameters)
+        refuse_wrong_declaration(who, ROLES[role], factory)
         hook = "advance" if ROLES[role].kind is RoleKind.INTEGRATES else "step"
         function = factory.function if isinstance(factory, Law) else getattr(factory, hook)
         hints = typing.get_type_hints(function)
@@ -235,7 +238,7 @@ def refuse_taken(who: str, parameters: type, taken: Iterable[str] = ()) -> None:
     """
     own = entries_by_name(parameters)
     of_nodes = entries_by_name(CommonParameters)
-    groups = {"method", SENSORS, *(name.partition(".")[0] for name in of_nodes)}
+    groups = {"method", SENSORS, *OF_ROS, *(name.partition(".")[0] for name in of_nodes)}
     for name, entry in own.items():
         is_fault = name == FAULTS.name and entry != FAULTS
         if name.partition(".")[0] in groups or name in taken or is_fault:
@@ -280,11 +283,13 @@ def all_methods() -> dict[str, dict[str, Method]]:
 
 def create(method: Method, parameters: Any, vehicle: Any, period: float) -> Any:
     """A new object of a method, at rest."""
-    return method.factory(parameters, vehicle, period)
+    with in_law(method):
+        return method.factory(parameters, vehicle, period)
 
 
 def refuse_layout(method: Method, parameters: Any, vehicle: Any) -> None:
     """ParameterError if the vehicle lacks what a method with these parameters needs."""
-    text = refusal(method.role, method.name, getattr(method.factory, "needs", ()), parameters, vehicle)
+    with in_law(method):
+        text = refusal(method.role, method.name, getattr(method.factory, "needs", ()), parameters, vehicle)
     if text:
         raise ParameterError(text)

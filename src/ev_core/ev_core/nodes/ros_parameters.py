@@ -15,6 +15,7 @@ from rclpy.parameter import Parameter
 
 from ev_core.bus.parameters import LOOPBACK
 from ev_core.lockstep.finding import is_code
+from ev_core.methods.register import OF_ROS
 from ev_core.parameters.data_file import TextOfFile
 from ev_core.parameters.declaration import Entry
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
@@ -27,7 +28,6 @@ _TYPES = {
 }
 _NO_LIMIT = {float: 1e300, int: 2**62}
 _METHOD, _LOG, _ADDRESS = "method", "bus.log", "bus.address"
-_ROS_OWN = ("use_sim_time", "start_type_description_service")
 
 
 def overrides(node: Node) -> dict[str, Any]:
@@ -65,7 +65,7 @@ def _is_given(name: str, value: str, node_arguments: Mapping[str, Any]) -> bool:
 
 def is_ros_own(name: str) -> bool:
     """Whether ROS itself declares a parameter of this name in every node."""
-    return name in _ROS_OWN or name.startswith("qos_overrides.")
+    return name.partition(".")[0] in OF_ROS
 
 
 def _asked_for(changes: Sequence[Parameter]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -107,17 +107,17 @@ class SteppedNode(Spinnable, Node):
             writer.write(answer.stamp, answer.frame)
         self.reports.pass_on_now_and_then(self.stepper.part)
 
-    def successor(self, configuration: Configuration) -> Part:
+    def successor(self, configuration: Configuration, changed: Iterable[str] = ()) -> Part:
         """What goes on with other parameters; the state lasts, of one that has published: before that there is none."""
         part = self.new_part(configuration, may_wait=not self.realtime)
         if self.stepper.answer is not None:
-            hand_over(self.stepper.part, part)
+            hand_over(self.stepper.part, part, changed)
         return part
 
     def _take_over(self, given: dict[str, Any]) -> None:
         """Go on with other parameters."""
         before, after = self.configuration, self.configuration.changed(given)
-        part = self.successor(after)
+        part = self.successor(after, given)
         self.configuration = after
         if (after.parameters, after.sensors, after.faults) != (before.parameters, before.sensors, before.faults):
             self.stepper.part = part

@@ -95,9 +95,20 @@ def _shape(value: Any) -> Any:
 def memory_type(of: type) -> np.dtype:
     """The layout of a declared record for functions that make one as working memory.
 
-    `working_memory(layout)[0].name` means the same in Python and compiled.
+    `working_memory(layout)[0].name` means the same in Python and compiled; TypeError for a name that would not.
     """
-    return _with_attributes(record_type(of()))
+    layout = record_type(of())
+    _refuse_attributes(of.__name__, layout)
+    return _with_attributes(layout)
+
+
+def _refuse_attributes(name: str, layout: np.dtype) -> None:
+    """TypeError for an entry whose name means something else in plain Python, where memory is a record of numpy."""
+    kind = layout.base
+    for each in kind.names or ():
+        if hasattr(np.record, each):
+            raise TypeError(f"{name}.{each}: the name is one of numpy's own, expected another one: {each}_")
+        _refuse_attributes(f"{name}.{each}", kind[each])
 
 
 def working_memory(layout: np.dtype) -> np.ndarray:

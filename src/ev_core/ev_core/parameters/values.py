@@ -83,6 +83,11 @@ def refuse_undeclared(who: str, parameters: Any) -> None:
         if not is_group and not is_declared(f):
             raise TypeError(f"{who}: {f.name} is no declared parameter, write {f.name}: ... = parameter(...)")
     for entry in entries(parameters):
+        if entry.type not in _ELEMENTS:
+            kind = getattr(entry.type, "__name__", entry.type) if isinstance(entry.type, type) else entry.type
+            raise TypeError(
+                f"{who}: {entry.name} is declared as {kind}, expected float, int, bool, str or tuple[one, ...]"
+            )
         try:
             check(entry, entry.default)
         except ParameterError as error:

@@ -177,7 +177,16 @@ def sampled(true: float, normal: float, c: Sequence[float]) -> float:
     if not isfinite(value):  # the publisher names that number
         return value
     value = min(max(value, c[LOWEST]), c[HIGHEST])
-    return value if c[QUANTISATION] == 0.0 else value - remainder(value, c[QUANTISATION])
+    if c[QUANTISATION] == 0.0:
+        return value
+    value -= remainder(value, c[QUANTISATION])
+    if value > c[HIGHEST]:  # the nearest step lies beyond the range: the one before
+        value -= c[QUANTISATION]
+        value -= remainder(value, c[QUANTISATION])
+    elif value < c[LOWEST]:
+        value += c[QUANTISATION]
+        value -= remainder(value, c[QUANTISATION])
+    return min(max(value, c[LOWEST]), c[HIGHEST])
 
 
 @compilable

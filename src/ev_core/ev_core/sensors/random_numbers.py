@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any, TypeVar
 
 from ev_core.elementary import log, sin_cos, sqrt
+from ev_core.parameters.declaration import Spec
 from ev_core.parameters.values import entries_by_name
 from ev_msgs_py.compilable import compilable
 
@@ -59,7 +60,7 @@ def seeded(parameters: P, seed: int, prefix: str = "") -> P:
     """Parameters as their method is given them: with the node's seed 0 as they are, else with other own seeds.
 
     An own seed is a parameter `seed` of a group, such as `road.seed`; its name, its value and the node's seed make the
-    new one. A group whose `is_random` is false keeps it, and so remains what it is.
+    new one, within its declared range. A group whose `is_random` is false keeps it, and so remains what it is.
     """
     changed: dict[str, Any] = {}
     of: Any = parameters
@@ -73,9 +74,18 @@ def seeded(parameters: P, seed: int, prefix: str = "") -> P:
             if made is not value:
                 changed[field.name] = made
         elif field.name == _OWN and getattr(of, "is_random", True):
-            changed[_OWN] = philox(value, 0, 0, FOR_SEED, seed, zlib.crc32(name.encode()))[0] >> 1
+            drawn = philox(value, 0, 0, FOR_SEED, seed, zlib.crc32(name.encode()))[0] >> 1
+            changed[_OWN] = _within(entries_by_name(kind)[_OWN].spec, drawn)
     made_anew: P = dataclasses.replace(of, **changed) if changed else parameters
     return made_anew
+
+
+def _within(spec: Spec, drawn: int) -> int:
+    """A number of 31 random bits within the range of a parameter, most of which hold all of them."""
+    low = int(spec.low or 0)
+    if spec.high is None:
+        return low + drawn
+    return low + drawn % (int(spec.high) - low + 1)
 
 
 @cache

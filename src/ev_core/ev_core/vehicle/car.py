@@ -149,6 +149,10 @@ def refusal(role: str, method: str, needs: tuple[Need, ...], parameters: Any, ve
     """The line that refuses a layout, empty if it suits."""
     for need in needs:
         lacking = need(parameters, vehicle)
+        if not isinstance(lacking, str | None):
+            raise TypeError(
+                f"a need gives {type(lacking).__name__}, expected a text: what the vehicle lacks, or nothing"
+            )
         if lacking:
             drives = ", ".join(vehicle.driven_wheels) or "none"
             how = f" with {' and '.join(couplings(vehicle))}" if single_wheels(vehicle) != vehicle.driven_wheels else ""

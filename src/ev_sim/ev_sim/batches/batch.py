@@ -21,6 +21,7 @@ from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import check_graph
 from ev_core.lockstep.parts import compiled_part, row_parts
 from ev_core.lockstep.run import refuse_not_finite, roles_in_order
+from ev_core.methods.law_error import LawError
 from ev_core.sensors.row import SensorRow
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.fields import SignalError
@@ -130,6 +131,8 @@ class Runs:
             refuse_not_finite(frames[which], self._base[role].method.writes)
         except SignalError as error:
             return f"at {self._times[instant]:g} s {error}"
+        except LawError as error:  # it names the time itself
+            return str(error)
         raise AssertionError(f"{role} stopped, but all its numbers are finite")
 
     def _placed(self, role: str, run: int, whole: WholeRun | None = None) -> list[_Placed]:

@@ -10,7 +10,7 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from ev_core.compiled.part import ROW_CODE, code_of, in_one_line
+from ev_core.compiled.part import ROW_CODE, code_of, given_to, in_one_line
 from ev_core.compiled.part_source import HEAD, constants_row, law_of
 from ev_core.compiling.machine_code import Code, key_of, reach_of
 from ev_core.faults import row
@@ -138,7 +138,7 @@ def _parts(configuration: Configuration, required: Collection[str], bare: bool) 
     role, vehicle, period = configuration.role, common.vehicle, common.control_period
     if method.law is None or not method.law.is_compilable:
         raise ParameterError(f"{role} method {method.name} is not compiled, which an export needs: mark it @compilable")
-    given = Given(law_of(method), parameters, vehicle, period)
+    given = given_to(method, parameters, vehicle, period)
     with in_one_line(method, parameters, vehicle, period) as look_at:
         code = code_of(method, given)
         look_at(reach_of(code.text, code.names))

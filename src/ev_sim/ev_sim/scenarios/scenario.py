@@ -9,6 +9,7 @@ from typing import Any
 
 from ev_core.lockstep.configuration import Configuration, chosen_method, configure, refuse_unused
 from ev_core.lockstep.graph import check_graph
+from ev_core.methods.law_error import LawError
 from ev_core.nodes.master.real_time import LONGEST, MasterParameters
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.contract.roles import MASTER, ROLES
@@ -270,6 +271,8 @@ def _run(name: str, sources: _Sources, duration: float, about: ScenarioParameter
         try:
             configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
             sources.refuse_before_a_file(configurations[role])
+        except LawError:  # its line names the role, and its cause is kept
+            raise
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}{sources.origin(role, error.parameter)}") from None
         if role == _DRIVER and (start := lap_start(configurations[role])) is not None:

@@ -1,0 +1,43 @@
+"""Which index of what was out of range, and the length, of an error of a law."""
+
+from __future__ import annotations
+
+import ast
+import linecache
+from types import FrameType
+from typing import Any
+
+from ev_msgs_py.refusal import shown
+
+
+def parsed(text: str) -> ast.AST:
+    """A text; that of an empty module where it is no Python, as part of one may be."""
+    try:
+        return ast.parse(text)
+    except SyntaxError:
+        return ast.Module([], [])
+
+
+def index_in_words(error: IndexError) -> str:
+    """Which index of what was out of range, and the length; empty if that cannot be found."""
+    trace: Any = error.__traceback__
+    while trace.tb_next is not None:
+        trace = trace.tb_next
+    frame = trace.tb_frame
+    place = [*frame.f_code.co_positions()][trace.tb_lasti // 2]
+    for node in ast.walk(parsed("".join(linecache.getlines(frame.f_code.co_filename)))):
+        if isinstance(node, ast.Subscript) and place == (*_span(node),):
+            index, of = (_value(each, frame) for each in (node.slice, node.value))
+            length = len(of) if hasattr(of, "__len__") else 0
+            wanted = f"expected {-length} to {length - 1}" if length else "it is empty"
+            return f"{ast.unparse(node)} is out of range: index {shown(index)}, length {length}, {wanted}"
+    return ""
+
+
+def _span(node: ast.expr) -> tuple[int, int | None, int, int | None]:
+    return node.lineno, node.end_lineno, node.col_offset, node.end_col_offset
+
+
+def _value(node: ast.expr, frame: FrameType) -> Any:
+    """What a part of a line was in the frame in which it raised: laws are pure, so it is that again."""
+    return eval(compile(ast.Expression(node), "<law>", "eval"), frame.f_globals, frame.f_locals)

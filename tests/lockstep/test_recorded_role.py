@@ -1,0 +1,70 @@
+"""A recording of one's own that plays a role: any kind of numbers, whole and in order, or one line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ev_sim
+from ev_msgs_py.refusal import ParameterError
+
+DURATION = 0.5
+TORQUE = "driver.command.drive_torque"
+
+
+@pytest.fixture(scope="module")
+def recorded() -> ev_sim.Result:
+    return ev_sim.run("shchur2019", duration=DURATION)
+
+
+def arrays_of(recorded: ev_sim.Result) -> dict[str, np.ndarray]:
+    return {"time": np.array(recorded.time), **{name: np.array(each) for name, each in recorded.signals.items()}}
+
+
+def played(folder: Path, arrays: dict[str, np.ndarray]) -> ev_sim.Result:
+    file = folder / "mine.npz"
+    np.savez(file, **arrays)
+    return ev_sim.run("shchur2019", method={"driver": str(file)}, duration=DURATION)
+
+
+def test_it_plays_the_run_again(recorded, tmp_path):
+    assert played(tmp_path, arrays_of(recorded)).hash == recorded.hash
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.int64, np.uint8])
+def test_numbers_of_any_kind_are_played(recorded, tmp_path, kind):
+    arrays = arrays_of(recorded)
+    arrays[TORQUE] = np.abs(arrays[TORQUE]).astype(kind)
+    assert (played(tmp_path, arrays).signals[TORQUE] == arrays[TORQUE].astype(float)).all()
+
+
+def shuffled(times: np.ndarray) -> np.ndarray:
+    return np.concatenate([times[:10], times[10:20][::-1], times[20:]])
+
+
+def with_last(number: float) -> Callable[[np.ndarray], np.ndarray]:
+    return lambda times: np.append(times[:-1], number)
+
+
+WRONG = {
+    "no instants": (None, lambda column: column[:0], "the file has no instants, expected one or more"),
+    "short column": (TORQUE, lambda column: column[:-3], rf"{TORQUE} has 48 numbers, time has 51, expected as many"),
+    "long column": (TORQUE, lambda column: np.append(column, 0.0), rf"{TORQUE} has 52 numbers, time has 51, exp"),
+    "short time": ("time", lambda times: times[:-3], "has 51 numbers, time has 48, expected as many"),
+    "time is no number": ("time", with_last(np.nan), "time 50 is nan, expected a finite number"),
+    "time without end": ("time", with_last(np.inf), "time 50 is inf, expected a finite number"),
+    "out of order": ("time", shuffled, r"time 10 is 0\.19 s, expected 0\.1 s: the instants follow each other by"),
+    "late end": ("time", with_last(0.6), r"51 instants up to 0\.6 s are none of a control_period of 0\.01 s"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_is_no_series_of_instants_is_refused(recorded, tmp_path, name):
+    column, change, said = WRONG[name]
+    arrays = {key: change(each) if column in (None, key) else each for key, each in arrays_of(recorded).items()}
+    with pytest.raises(ParameterError, match=rf"driver method .*mine\.npz: .*{said}") as refused:
+        played(tmp_path, arrays)
+    assert "\n" not in str(refused.value)
