@@ -278,7 +278,7 @@ def _run(name: str, sources: _Sources, duration: float, about: ScenarioParameter
         if role == _DRIVER and (start := lap_start(configurations[role])) is not None:
             duration = duration or start.duration
             values[MASTER] = {**start.values, **values[MASTER], "duration": duration}
-            values[MASTER]["manoeuvre_end"] = about.duration or duration
+            values[MASTER]["manoeuvre_end"] = about.duration or start.duration
     configurations = {role: configurations[role] for role in played}
     check_graph(configurations)
     period = configurations[MASTER].common.control_period
