@@ -159,6 +159,10 @@ def test_a_start_that_is_given_stays(tmp_path):
 
 
 def test_a_small_course_is_begun_at_its_line(tmp_path):
-    """The circle of 30 m that is there without a file, from the origin, beside its racing line: it is on the road."""
-    run = driven(20.0, driver__course__file="", plant__initial_x=0.0, plant__initial_y=0.0, plant__initial_heading=0.0)
+    """A circle of 10 m, from the origin, beside its racing line: the car is on the road, also for its driver."""
+    turn = 2.0 * np.pi * np.arange(31) / 31
+    rows = [f"{10.0 * np.sin(t)},{10.0 * (1.0 - np.cos(t))},3,3" for t in turn]
+    (tmp_path / "circle.csv").write_text("\n".join(["x_m,y_m,left_m,right_m", *rows]))
+    start = {"plant__initial_x": 0.0, "plant__initial_y": 0.0, "plant__initial_heading": 0.0}
+    run = driven(20.0, driver__course__file=str(tmp_path / "circle.csv"), driver__limit__scale=0.6, **start)
     assert leaves(run.signals, run.vehicle, run.course) is None

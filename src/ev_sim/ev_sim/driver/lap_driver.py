@@ -104,7 +104,10 @@ def laps_of(p: LapDriverParameters, vehicle: Vehicle, period: float) -> Laps:
 def _unrolled(step: np.ndarray, laps: int) -> np.ndarray:
     """Places of the points of a closed line from before its first one on, its laps, and on behind the last."""
     n, before, behind, length = len(step), 0, laps * len(step), 0.0
-    while length < _RUN_UP and -before < n:
+    run_up = min(
+        _RUN_UP, 0.25 * float(step.sum())
+    )  # from farther back a car at the line of a small course is beside it
+    while length < run_up:
         before -= 1
         length += step[before]
     length = 0.0
