@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from numba import njit
 
 import ev_sim
+from ev_core.check.method import ContractError, check_method
 from ev_core.compiled.part import CompiledPart
 from ev_core.law import (
     NO_WHEELS,
@@ -202,6 +203,16 @@ def test_offline_it_is_one_line(late: str):
     with pytest.raises(LawError) as raised:
         ev_sim.run("shchur2019", method={"asr": late}, set={"asr.delay": 0.2}, duration=0.1)
     assert str(raised.value) == f"at 0 s: {said_of(late)}"
+
+
+@pytest.mark.slow
+def test_the_check_finds_it_at_the_end_of_the_range(late: str):
+    """Of the delay of 1 s, though the default is right."""
+    with pytest.raises(ContractError) as found:
+        check_method("asr", late, steps=5)
+    said = said_of(late).replace("index 20", "index 100")
+    (finding,) = found.value.findings
+    assert finding.startswith("with delay at 1, ") and finding.endswith(said)
 
 
 @pytest.mark.slow

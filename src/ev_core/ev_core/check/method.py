@@ -6,6 +6,7 @@ from typing import Any
 from ev_core.check import state
 from ev_core.check.demand import ignored_demand
 from ev_core.check.mirror import asymmetry
+from ev_core.check.ranges import out_of_range
 from ev_core.check.reached import Reached, inexact, reached
 from ev_core.check.stepping import MakesInputs, RandomInputs, Subject
 from ev_core.lockstep.configuration import Configuration, configure, refuse_unused
@@ -37,11 +38,11 @@ def check_method(
 
     It has to be exact (`inexact`), pure and deterministic, finite or refused, and the same to the bit after it was
     saved and loaded, after a parameter was set to its own value, and compiled if it is marked so. Its torques have to
-    depend on what the driver drives and brakes (`ignored_demand`). If it claims mirror symmetry it is held to that,
-    unless `mirrored` is false, for values that are an exception. For each seed it is stepped so many times with what
-    `inputs` makes: random numbers and launches, by default. The answer says how often its lines were reached in plain
-    Python; a function of its module that was never called is a finding, unless `whole` is false, for values that leave
-    some out.
+    depend on what the driver drives and brakes (`ignored_demand`). No index of a law may leave its row where one
+    parameter is at an end of its range (`out_of_range`). If it claims mirror symmetry it is held to that, unless
+    `mirrored` is false, for values that are an exception. For each seed it is stepped so many times with what `inputs`
+    makes: random numbers and launches, by default. The answer says how often its lines were reached in plain Python; a
+    function of its module that was never called is a finding, unless `whole` is false, for values that leave some out.
     """
     configuration = configure(role, {"method": name, **(values or {})})
     for each in values or {}:
@@ -87,6 +88,10 @@ def _findings(
         yield from found
         if found:  # findings of plain Python need not be repeated, and compiled code would fail less gently
             return
+    if law is not None and not _is_heavy(configuration):
+        beyond = out_of_range(configuration, seeds[0], inputs)
+        if beyond:
+            yield beyond
     if can_compile:
         differs = _first(state.differing_bits(configuration, steps, seed, inputs) for seed in seeds)
         if differs:

@@ -1,0 +1,30 @@
+"""Parameters at the ends of their ranges: an index that is right for the defaults may leave its row there."""
+
+from __future__ import annotations
+
+import math
+
+from ev_core.check.stepping import MakesInputs, Subject, outputs
+from ev_core.lockstep.configuration import Configuration
+from ev_core.parameters.declaration import entries
+from ev_msgs_py.contract.fields import SignalError
+from ev_msgs_py.refusal import ParameterError
+
+_STEPS = 20  # with each end: what an index needs is there at once
+
+
+def out_of_range(configuration: Configuration, seed: int, inputs: MakesInputs) -> str:
+    """The first index out of range with one parameter of a law at an end of its range; empty if there is none."""
+    for entry in entries(configuration.parameters):
+        if entry.type not in (int, float) or entry.is_array:
+            continue
+        for end in (entry.spec.low, entry.spec.high):
+            if end is None or not math.isfinite(end):
+                continue
+            try:
+                there = Subject(configuration.changed({entry.name: entry.type(end)}), False, _STEPS, inputs)
+                outputs(there.part(), there.frames(seed))
+            except (ParameterError, SignalError) as error:  # also of values that do not go with the others
+                if isinstance(error.__cause__, IndexError):
+                    return f"with {entry.name} at {end:g}, {error}"
+    return ""
