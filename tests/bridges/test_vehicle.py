@@ -116,6 +116,10 @@ def test_autoware_drives_the_car_and_hears_what_it_does(started, commander):
     assert (gained[late] - gained[early]) / (at[late] - at[early]) == pytest.approx(1.0, rel=0.1)  # m/s^2 as asked for
     assert (reports["control_mode"][-1].mode, reports["gear_status"][-1].report) == (MODES.AUTONOMOUS, GEARS.DRIVE)
 
+    commander.says[CONTROL] = control(9.0, 0.0, 0.1)  # an acceleration of zero that is defined
+    drive(started, 5.0)
+    assert velocity[-1].longitudinal_velocity == pytest.approx(5.0, abs=0.05)
+
     commander.says[CONTROL] = control(-2.0)  # not in this gear
     drive(started, 10.0)
     assert velocity[-1].longitudinal_velocity == pytest.approx(0.0, abs=1e-3)

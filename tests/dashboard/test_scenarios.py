@@ -126,6 +126,10 @@ def test_a_run_may_last_longer_than_the_manoeuvre(fed, browser):
     assert (
         browser.run(STATE) == "The manoeuvre is over since 0.05 s; the car drives on up to 0.1 s, Reset begins again."
     )
+    paused = browser.run(STATE.replace("performance.now()", "performance.now() - 7000", 1))
+    assert paused == (
+        "The manoeuvre is over since 0.05 s; no new instant for 7 s: paused, ended or held up, Reset begins again."
+    )
 
 
 def test_a_slider_goes_on_about_the_value_at_its_end(fed, browser):

@@ -13,7 +13,7 @@ from ev_core.nodes.ros_parameters import descriptor
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.dashboard.controls import node_message
 from ev_sim.dashboard.live_frames import layout_message
-from ev_sim.dashboard.server import Pages
+from ev_sim.dashboard.server import Pages, listening
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
 from ev_sim.views.car import view_channels
@@ -27,7 +27,7 @@ class FedPage:
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever)
         self._thread.start()
-        self.pages: Pages = self._in_loop(lambda: Pages("a page", 0, self.wishes.append, list))
+        self.pages: Pages = self._in_loop(lambda: Pages("a page", listening(0), self.wishes.append, list))
 
     def _in_loop(self, call: Callable[[], Any]) -> Any:
         async def called() -> Any:

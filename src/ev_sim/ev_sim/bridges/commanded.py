@@ -10,8 +10,6 @@ from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, SteeringCol
 from ev_sim.driver.followers import AngleControlParameters, AngleControlState, turn_to_angle
 from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, follow_speed
 
-AT_ONCE = 1e9  # m/s^2 or rad/s, where a command names no limit
-
 
 @dataclass(frozen=True, slots=True)
 class CommandedParameters:
@@ -35,9 +33,9 @@ class CommandedState:
     lowest_speed: float = entry(unit="m/s", about="that the gear allows")
     highest_speed: float = entry(unit="m/s", about="that the gear allows")
     in_neutral: float = entry(unit="", about="1: the drives are let go")
-    acceleration: float = entry(unit="m/s^2", about="largest magnitude that the command allows; 0: no limit")
+    acceleration: float = entry(unit="m/s^2", about="largest magnitude that the command allows")
     wanted_angle: float = entry(unit="rad", about="road-wheel angle of the command")
-    angle_rate: float = entry(unit="rad/s", about="largest rate that the command allows; 0: no limit")
+    angle_rate: float = entry(unit="rad/s", about="largest rate that the command allows")
     left: float = entry(unit="s", about="for which the command still holds")
     held: float = entry(-1.0, unit="", about="1: a command holds; 0: none; -1: before the first step")
     speed: float = entry(unit="m/s", about="that the feet follow now")
@@ -77,8 +75,7 @@ def commanded(
     wanted, most, rate = 0.0, p.stopping_deceleration, 0.0
     if holds == 1.0:
         wanted = min(max(s.wanted_speed, s.lowest_speed), s.highest_speed)
-        most = s.acceleration if s.acceleration > 0.0 else AT_ONCE
-        rate = s.angle_rate if s.angle_rate > 0.0 else AT_ONCE
+        most, rate = s.acceleration, s.angle_rate
     s.speed = towards(s.speed, wanted, most * period)
     s.angle = towards(s.angle, s.wanted_angle, rate * period)
     drive, brake = follow_speed(p.speed_control, car, s.feet, period, s.speed, speed)

@@ -21,6 +21,7 @@ _LAW = str(Path(__file__).with_name("commanded.py"))
 _EXCHANGE_PERIOD = 0.01  # s of wall time between looks for commands
 _REPORT_PERIOD = stamps.from_seconds(0.02)  # ns of simulated time
 _FASTEST = 1e3  # m/s
+_AT_ONCE = 1e9  # m/s^2 or rad/s, where a command names no limit
 
 
 class Language(Protocol):
@@ -82,7 +83,10 @@ class CommandedDriver(SteppedNode):
 
 
 class Ackermann:
-    """AckermannDriveStamped of ackermann_msgs on `ackermann_cmd`; backwards by a negative speed."""
+    """AckermannDriveStamped of ackermann_msgs on `ackermann_cmd`; backwards by a negative speed.
+
+    By the text of that message a limit of 0 means as fast as possible.
+    """
 
     def __init__(self, node: CommandedDriver) -> None:
         self._node = node
@@ -94,9 +98,9 @@ class Ackermann:
             "wanted_speed": drive.speed,
             "lowest_speed": -_FASTEST,
             "highest_speed": _FASTEST,
-            "acceleration": abs(drive.acceleration),
+            "acceleration": abs(drive.acceleration) or _AT_ONCE,
             "wanted_angle": drive.steering_angle,
-            "angle_rate": abs(drive.steering_angle_velocity),
+            "angle_rate": abs(drive.steering_angle_velocity) or _AT_ONCE,
             "left": self._node.command_lasts,
         }
 
@@ -135,9 +139,9 @@ class Autoware:
         self._was_commanded = True
         return {
             "wanted_speed": along.velocity,
-            "acceleration": abs(along.acceleration) if along.is_defined_acceleration else 0.0,
+            "acceleration": abs(along.acceleration) if along.is_defined_acceleration else _AT_ONCE,
             "wanted_angle": across.steering_tire_angle,
-            "angle_rate": abs(across.steering_tire_rotation_rate) if has_rate else 0.0,
+            "angle_rate": abs(across.steering_tire_rotation_rate) if has_rate else _AT_ONCE,
             "left": self._node.command_lasts,
         }
 

@@ -30,10 +30,10 @@ function showBeside() {
   }));
 }
 
-/** In words that the manoeuvre is over at this time [s]; empty before that, and where its end is not known. */
-function overAt(time) {
+/** In words that the manoeuvre is over at this time [s]; empty before that, and where its end is not known. `then` is what goes
+ * on where the run is longer. */
+function overAt(time, then = "") {
   if (!times?.over || !(time > times.over - times.period)) return "";
   const longer = !times.end || times.end > times.over + times.period;
-  const last = longer && times.end ? ` up to ${digits(times.end)} s` : "";
-  return `The manoeuvre is over since ${digits(times.over)} s${longer ? `; the car drives on${last}, Reset begins again` : ""}.`;
+  return `The manoeuvre is over since ${digits(times.over)} s${longer && then ? `; ${then}` : ""}.`;
 }

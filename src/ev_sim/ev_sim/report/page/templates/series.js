@@ -26,6 +26,11 @@ function difference(times, first, otherTimes, second) {
   });
 }
 
+/** A number with so many decimals, and without a sign where these are all zero. */
+function fixed(value, decimals) {
+  return (Number(value.toFixed(decimals)) + 0).toFixed(decimals);
+}
+
 /** A number with five digits that count. */
 function digits(value) {
   return value == null ? "–" : String(Number(value.toPrecision(5)));

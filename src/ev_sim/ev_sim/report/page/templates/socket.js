@@ -78,10 +78,11 @@ function draw() {
 function tellState() {
   if (socket.readyState !== WebSocket.OPEN) return;
   const still = (performance.now() - came) / 1000;
-  const over = overAt(live.times.at(-1));
-  const waits = came ? `no new instant for ${still.toFixed(0)} s: paused, ended or held up` : "waiting for the first instant";
+  let waits = came ? "" : "waiting for the first instant";
+  if (came && still >= STILL) waits = `no new instant for ${still.toFixed(0)} s: paused, ended or held up`;
   const until = times?.over ? `, ${digits(times.over)} s in all` : "";
-  byId("state").textContent = over || (came && still < STILL ? `running${until}` : waits);
+  const on = `the car drives on${times?.end ? ` up to ${digits(times.end)} s` : ""}`;
+  byId("state").textContent = overAt(live.times.at(-1), `${waits || on}, Reset begins again`) || waits || `running${until}`;
 }
 
 /** Another graph, or the same one after a while without connection: nothing of before holds. */

@@ -114,14 +114,14 @@ class CarView {
     const state = { x: this.x[n], y: this.y[n], heading: this.heading[n], wheels };
     if (state.x == null || state.y == null || state.heading == null) return;
     drawCar(this.canvas, this, state, Number(this.wide.value));
-    const speed = this.speed ? `, ${this.speed[n].toFixed(2)} m/s` : "";
+    const speed = this.speed ? `, ${fixed(this.speed[n], 2)} m/s` : "";
     const instead = hasForces ? "" : "; this plant has no tyre forces, arrows are drive torque over wheel radius";
     const unit = `; an arrow of 1 m is ${this.unit.toFixed(0)} N${instead}`;
-    this.where.textContent = `x ${state.x.toFixed(2)} m, y ${state.y.toFixed(2)} m, heading ` +
-      `${(Math.atan2(Math.sin(state.heading), Math.cos(state.heading)) * 180 / Math.PI).toFixed(1)} deg${speed}${unit}`;
+    const heading = Math.atan2(Math.sin(state.heading), Math.cos(state.heading)) * 180 / Math.PI;
+    this.where.textContent = `x ${fixed(state.x, 2)} m, y ${fixed(state.y, 2)} m, heading ${fixed(heading, 1)} deg${speed}${unit}`;
     this.columns.forEach(([, , factor, decimals], c) => this.cells.forEach((row, w) => {
       const value = this.values[c][w]?.[n];
-      row[c].textContent = value == null ? "–" : (value * factor).toFixed(decimals);
+      row[c].textContent = value == null ? "–" : fixed(value * factor, decimals);
     }));
   }
 }
