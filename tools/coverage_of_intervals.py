@@ -1,20 +1,22 @@
-"""python tools/coverage_of_intervals.py [--seeds N]: how often an identification's intervals hold the truth.
+"""python tools/coverage_of_intervals.py [GROUP ...] [--seeds N]: how often an identification's intervals hold the truth.
 
-A simulated car is driven through a manoeuvre of each seed, its yaw rate and lateral velocity get noise, and parameters
-are identified as by scripts/run.sh identify from two thirds of it, begun off. The result stands in docs/measured.md.
+A simulated car is driven through a manoeuvre of each seed. All that is imposed and all that is compared gets noise, and
+each group of parameters is identified as by scripts/run.sh identify from two thirds of the record, begun off. An
+interval that a fit does not support is none, and is counted beside. The result stands in docs/measured.md.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import sys
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ev_core.lockstep.configuration import Configuration
-from ev_core.vehicle.tyre import MF_NAMES
-from ev_sim.measured.free_parameters import free_parameters
+from ev_sim.measured.free_parameters import GROUPS, FreeParameter, free_parameters
 from ev_sim.measured.identification import identify
+from ev_sim.measured.identified import Identified
 from ev_sim.measured.intervals import knowledge
 from ev_sim.measured.records.record import (
     LATERAL,
@@ -33,31 +35,59 @@ from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Overrides
 
-CAR, PERIOD, OFF = "compact_ev", 0.01, 1.2
-FREE = ("vehicle.yaw_inertia", "vehicle.tyre.front_mf.pky1", "steering_column.offset")
-NOISE = {YAW_RATE: 0.01, LATERAL: 0.01}  # rad/s, m/s
+CAR, CAR_WITH_CURVE, PERIOD, OFF = "compact_ev", "audi_a2", 0.01, 1.1
+NOISE = {LONGITUDINAL: 0.05, LATERAL: 0.05, YAW_RATE: 0.01, ROAD_WHEEL_ANGLE: 0.0005}  # m/s, m/s, rad/s, rad
+PART = "training"
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """Print by seed which parameters were held, and the shares of all seeds."""
+    """Print by parameter how many intervals of all seeds hold the truth, and how many fits give none."""
     parser = argparse.ArgumentParser(prog="coverage_of_intervals.py", description=__doc__)
+    parser.add_argument("groups", nargs="*", metavar="GROUP", help=f"default all: {', '.join(GROUPS)}")
     parser.add_argument("--seeds", type=int, default=100, metavar="N", help="default 100")
     parser.add_argument("--duration", type=float, default=30.0, metavar="S", help="of each record; default 30 s")
     parser.add_argument("--window", type=float, default=5.0, metavar="S", help="default 5 s")
     given = parser.parse_args(argv)
-    vehicle = graph(CAR, PERIOD)["plant"].common.vehicle
-    truth = np.array([vehicle.yaw_inertia, vehicle.tyre.front_mf[MF_NAMES.index("pky1")], 0.0])
-    begun = graph(CAR, PERIOD, Overrides(values=[("*", "vehicle.yaw_inertia", OFF * vehicle.yaw_inertia)]))
-    held = []
-    for seed in range(given.seeds):
-        intervals = identified(record_of(seed, given.duration), begun, given.window)
-        held.append((intervals[:, 0] <= truth) & (truth <= intervals[:, 1]))
-        print(seed, *("held" if each else "missed" for each in held[-1]), flush=True)
-    for name, count in zip(FREE, np.sum(held, axis=0), strict=True):
-        print(f"{name}: held by {count} of {given.seeds} intervals")
+    print("group, parameter: intervals that hold the truth, of those given")
+    for group in given.groups or GROUPS:
+        counted(group, given.seeds, given.duration, given.window)
 
 
-def driven(random: np.random.Generator, duration: float) -> Recording:
+def counted(group: str, seeds: int, duration: float, window: float) -> np.ndarray:
+    """How many intervals of some seeds hold the truth, and how many are given, (2, parameters); printed as well."""
+    car = CAR_WITH_CURVE if group == "curve" else CAR
+    true = graph(car, PERIOD)
+    truth = free_parameters([group], true)
+    begun = _off(truth, car, true)
+    counts = np.zeros((2, len(truth)), int)
+    values = np.array([each.start for each in truth])
+    for seed in range(seeds):
+        intervals = identified(record_of(seed, duration, car), begun, window, group)
+        counts += [(intervals[:, 0] <= values) & (values <= intervals[:, 1]), np.isfinite(intervals[:, 0])]
+        if sys.stderr.isatty() or seed % 10 == 9:
+            print(f"{group}: {counts[0].tolist()} of {counts[1].tolist()} in {seed + 1}", file=sys.stderr, flush=True)
+    for each, held, given in zip(truth, *counts, strict=True):
+        print(f"{group}, {each.name}: {held} of {given} ({seeds} seeds)", flush=True)
+    return counts
+
+
+def _off(truth: Sequence[FreeParameter], car: str, true: Mapping[str, Configuration]) -> dict[str, Configuration]:
+    """The car that a fit begins with: each free number a tenth off, as far as its range allows."""
+    values: dict[tuple[str, str], object] = {}
+    for each in truth:
+        number = min(OFF * each.start, each.high)
+        role, _, key = each.array.partition(".")
+        node, key = ("*", each.array) if each.is_of_vehicle else (role, key)
+        if each.place < 0:
+            values[node, key] = number
+            continue
+        given = dict(true["plant"].values())[each.array]
+        array = values.setdefault((node, key), list(given))
+        array[each.place] = number  # type: ignore[index]
+    return graph(car, PERIOD, Overrides(values=[(*at, value) for at, value in values.items()]))
+
+
+def driven(random: np.random.Generator, duration: float, car: str = CAR) -> Recording:
     """The car at 18 to 22 m/s, steered by three sines of up to 2 deg together: up to 5 m/s^2, far from any limit."""
     time = np.arange(round(duration / PERIOD) + 2) * PERIOD
     phases = random.uniform(0.0, 2.0 * np.pi, 3)
@@ -71,26 +101,27 @@ def driven(random: np.random.Generator, duration: float) -> Recording:
         ("steering_column", "time", time.tolist()),
         ("steering_column", "angle", np.asarray(angle).tolist()),
     ]
-    return run_offline(graph(CAR, PERIOD, Overrides(values=values)), duration)
+    return run_offline(graph(car, PERIOD, Overrides(values=values)), duration)
 
 
-def record_of(seed: int, duration: float) -> MeasuredRecord:
-    """What is measured of the car, with noise."""
+def record_of(seed: int, duration: float, car: str = CAR) -> MeasuredRecord:
+    """What is measured of the car, with noise on all of it."""
     random = np.random.Generator(np.random.PCG64(seed))
-    run = driven(random, duration)
+    run = driven(random, duration, car)
     columns = {}
-    for name in (LONGITUDINAL, LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE):
-        noise = NOISE.get(name, 0.0) * random.standard_normal(len(run.time))
+    for name, deviation in NOISE.items():
+        noise = deviation * random.standard_normal(len(run.time))
         columns[name] = (Sampled(run.time, run.channels[name] + noise), ColumnParameters())
     return measured(f"seed {seed}", "", columns, MaskParameters())
 
 
-def identified(record: MeasuredRecord, begun: dict[str, Configuration], window: float) -> np.ndarray:
-    """The intervals of the parameters, (parameters, 2), from two thirds of a record."""
+def identified(record: MeasuredRecord, begun: dict[str, Configuration], window: float, group: str) -> np.ndarray:
+    """The intervals of the parameters, (parameters, 2), from two thirds of a record; NaN where none is supported."""
     replay = OpenLoop(record, windows_of(record, window, 0.0, 2.0 / 3.0), begun, (LATERAL, YAW_RATE))
-    free = free_parameters(FREE, begun)
-    fitted = identify(replay, free, (YAW_RATE, SIDESLIP), every=5, width=1.0, starts=1, seed=0, most=8)
-    return knowledge(fitted.residuals, fitted.derivatives, fitted.values, free, 1.0, 0).interval
+    free = free_parameters([group], begun)
+    fitted = identify(replay, free, (YAW_RATE, SIDESLIP), every=5, width=1.0, starts=1, seed=0, most=25)
+    known = knowledge(fitted.residuals, fitted.derivatives, fitted.values, free, 1.0, 0)
+    return Identified(free, fitted, known, {PART: replay}, {}, {}, "").intervals
 
 
 if __name__ == "__main__":

@@ -42,7 +42,7 @@ def test_a_simulated_car_with_noise_gives_back_its_parameters_within_their_inter
         low, high = each["interval"]
         width = max(high - low, 4.0 * each["deviation"])
         assert abs(each["value"] - truth[name]) < width, name
-        assert width < 0.2 * max(abs(truth[name]), 0.02), name  # known to some per cent, the offset to 0.2 deg
+        assert width < 0.25 * max(abs(truth[name]), 0.02), name  # known to some per cent, the offset to 0.3 deg
     assert found["identified"]["vehicle.yaw_inertia"]["source"].startswith("identified from made.csv, SHA-256 ")
     errors = found["before_and_after"]["held out"]["twist.yaw_rate"]
     assert errors["rms_after"] == pytest.approx(0.01, rel=0.2)  # the noise is what is left

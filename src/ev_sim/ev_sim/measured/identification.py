@@ -10,17 +10,22 @@ from scipy.optimize import OptimizeResult, least_squares
 
 from ev_sim.measured.free_parameters import FreeParameter, changes
 from ev_sim.measured.journal import Journal
+from ev_sim.measured.records.record import SIDESLIP, YAW_RATE
 from ev_sim.measured.replays.open_loop import OpenLoop
 
 STEP = 1e-3  # of a scale, for forward differences: far above rounding, far below any curvature of the errors
 WORST = 50.0  # weighted error of a window whose car has left all numbers behind
+# Least weights where a mapping declares no noise: what good sensors of cars are off by, 0.2 deg/s and 0.1 deg.
+FLOORS = {YAW_RATE: 0.0035, SIDESLIP: 0.0017}
+FLOOR = 0.01  # of other signals, in shares of their standard deviation
 
 
 @dataclass(frozen=True)
 class Fitted:
     """Parameters (n,), errors over their weights (windows, m), their derivatives by scaled parameters, and how it went.
 
-    `weights` are the RMS errors by signal that are left, in the unit of the signal; `costs` those of all starts.
+    `weights` are the RMS errors by signal that are left, in the unit of the signal, and at least its noise; `costs`
+    those of all starts. `converged`: the best search came to its end before its steps did.
     """
 
     values: np.ndarray
@@ -29,6 +34,7 @@ class Fitted:
     weights: Mapping[str, float]
     costs: tuple[float, ...]
     evaluations: int
+    converged: bool
 
 
 class Residuals:
@@ -60,6 +66,8 @@ class Residuals:
         cars = changes(self._free, np.clip(points, *self.ends) * self.scale, self._replay.configurations)
         found = self._replay.simulate(cars)
         errors = [(found[n][:, :, :: self._every] - self._measured[n]) / w for n, w in self.weights.items()]
+        for each, measured in zip(errors, self._measured.values(), strict=True):
+            each[:, ~np.isfinite(measured)] = 0.0  # not measured there
         return np.clip(np.nan_to_num(np.concatenate(errors, axis=2), nan=WORST), -WORST, WORST)
 
     def derivatives(self, point: np.ndarray) -> np.ndarray:
@@ -68,11 +76,11 @@ class Residuals:
         found = self.at(np.vstack([point, point + np.diag(steps)]))
         return np.moveaxis((found[1:] - found[0]) / steps[:, None, None], 0, 2)
 
-    def left(self, point: np.ndarray) -> dict[str, float]:
-        """The RMS error of each signal, of the windows that the loss does not hold for outliers, in its unit."""
+    def left(self, point: np.ndarray, floors: Mapping[str, float]) -> dict[str, float]:
+        """The RMS error of each signal in the median window, in its unit, and at least its floor."""
         found = np.split(self.at(point[None])[0], len(self.weights), axis=1)
         medians = [float(np.median(np.sqrt(np.mean(each**2, axis=1)))) for each in found]
-        return {n: max(m, 1e-6) * w for (n, w), m in zip(self.weights.items(), medians, strict=True)}
+        return {n: max(m * w, floors[n]) for (n, w), m in zip(self.weights.items(), medians, strict=True)}
 
     def fit(self, begin: np.ndarray, most: int) -> OptimizeResult:
         """Least squares from a point on, with the loss soft_l1 beyond three weights, in at most so many steps."""
@@ -104,12 +112,16 @@ def identify(
 
     Errors are weighed by what is left of them in the median window, the likeliest weights where nobody knows the
     noise: a first fit weighs each signal by a tenth of its standard deviation, the second by what the first has left.
+    No weight is below the noise that is declared of its sensor, or below `FLOORS`: a signal that happens to fit well
+    would else buy its last hundredth with much of another one.
     """
-    weights = {name: 0.1 * float(np.std(replay.measured(name))) for name in signals}
+    deviations = {name: float(np.nanstd(replay.measured(name))) for name in signals}
+    floors = {n: replay.record.noise.get(n) or FLOORS.get(n, FLOOR * of) for n, of in deviations.items()}
+    weights = {name: max(0.1 * of, floors[name]) for name, of in deviations.items()}
     of = Residuals(replay, free, weights, every, width, journal)
     first = of.fit(of.begin, most)
     progress(f"start 1: cost {first.cost:.6g} in {first.nfev} steps, by a tenth of each signal")
-    of = Residuals(replay, free, of.left(first.x), every, width, journal)
+    of = Residuals(replay, free, of.left(first.x, floors), every, width, journal)
     random = np.random.Generator(np.random.PCG64(seed))
     found = []
     for number in range(starts):
@@ -124,4 +136,5 @@ def identify(
         of.weights,
         tuple(float(each.cost) for each in found),
         int(first.nfev) + sum(int(each.nfev) for each in found),
+        int(best.status) > 0,
     )

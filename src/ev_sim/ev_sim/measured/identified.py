@@ -14,6 +14,7 @@ from ev_sim.measured.free_parameters import FreeParameter, changes
 from ev_sim.measured.identification import Fitted
 from ev_sim.measured.intervals import Knowledge, in_words
 from ev_sim.measured.records.record import quoted_source
+from ev_sim.measured.replays.errors import Judged
 from ev_sim.measured.replays.open_loop import COMPARED, OpenLoop
 from ev_sim.measured.replays.validation import FILES, Validation
 from ev_sim.measured.vehicle_text import parameter_text, vehicle_text
@@ -23,6 +24,8 @@ from ev_sim.report.tables import text_table
 CAR, BESIDE = "vehicle.yaml", "parameters.yaml"
 FILES_OF_IDENTIFICATION = (*FILES, CAR, BESIDE)
 PARTS = ("training", "held out")
+LATE = 0.03  # [s]; a signal that comes later than its replay by as much shifts what is found by more than noise does
+CLEAR = 0.5  # share of the variance that a replay has to have, below which a lag is a matter of chance
 
 
 @dataclass(frozen=True)
@@ -51,28 +54,71 @@ class Identified:
             found[part] = (before, after)
         return found
 
-    def notes(self) -> list[str]:
-        """By parameter in one line: interval and deviation."""
+    @cached_property
+    def doubts(self) -> list[str]:
+        """Why the fit supports no interval of any parameter, a line each; empty if it does."""
+        training, found = self.replays[PARTS[0]], []
+        if not self.fitted.converged:
+            found.append("the search used all of its --steps and has not come to an optimum")
+        if len(training.windows) == 1:
+            found.append("one window does not show how much windows differ")
+        before, after = self.judged[PARTS[0]]
+        for name in self.fitted.weights:
+            was, now = (each.judged[name] for each in (before, after))
+            if now.median_window > was.median_window + 0.05 * max(was.median_window, self.fitted.weights[name]):
+                found.append(f"{name} is reproduced worse than at the start: {_change(was, now)}")
+            if abs(now.errors.lag) > LATE and now.errors.explained > CLEAR:
+                when = "late" if now.errors.lag < 0.0 else "early"
+                found.append(f"the record has {name} {abs(now.errors.lag):.3f} s {when}: clock or filter of a sensor")
+        return found
+
+    def worse(self) -> list[str]:
+        """A line for each compared signal that the result reproduces worse than the start did, beside the doubts."""
         lines = []
-        for each, (low, high), deviation, value in zip(
-            self.free, self.known.interval, self.known.deviation, self.fitted.values, strict=True
-        ):
-            at_end = min(value - each.low, each.high - value) < 1e-3 * each.scale
-            end = ", at the end of its range" if at_end else ""
+        for part, (before, after) in self.judged.items():
+            for name in before.names:
+                if part == PARTS[0] and name in self.fitted.weights:
+                    continue
+                was, now = before.judged[name], after.judged[name]
+                if now.median_window > 1.05 * was.median_window:
+                    lines.append(f"{part}: {name} is reproduced worse than at the start: {_change(was, now)}")
+        return lines
+
+    def _why_none(self, place: int) -> str:
+        """Why a parameter has no interval; empty if it has one."""
+        if self.doubts:
+            return "no interval, see the notes of the fit"
+        each, value = self.free[place], self.fitted.values[place]
+        at_end = min(value - each.low, each.high - value) < 1e-3 * each.scale
+        return "no interval, at the end of its range" if at_end else ""
+
+    @cached_property
+    def intervals(self) -> np.ndarray:
+        """95 % intervals in the unit of each parameter, (parameters, 2); NaN where the fit supports none."""
+        found = self.known.interval.copy()
+        for place in range(len(self.free)):
+            if self._why_none(place):
+                found[place] = np.nan
+        return found
+
+    def notes(self) -> list[str]:
+        """By parameter in one line: interval and deviation, or why it has none."""
+        lines = []
+        for place, (each, (low, high)) in enumerate(zip(self.free, self.intervals, strict=True)):
             unit = f" {each.unit}" if each.unit not in ("", "1") else ""
-            lines.append(
-                f"{low:.4g} to {high:.4g}{unit} in 95 %, deviation {deviation:.2g}, start {each.start:.6g}{end}"
-            )
+            interval = f"{low:.4g} to {high:.4g}{unit} in 95 %, deviation {self.known.deviation[place]:.2g}"
+            lines.append(f"{self._why_none(place) or interval}, start {each.start:.6g}")
         return lines
 
     def table(self) -> str:
         """Parameters, then errors before and after on both parts, then what the record does not determine."""
-        rows = [
-            [each.name, f"{each.start:.6g}", f"{value:.6g}", f"{low:.4g}", f"{high:.4g}", f"{deviation:.2g}", each.unit]
-            for each, value, (low, high), deviation in zip(
-                self.free, self.fitted.values, self.known.interval, self.known.deviation, strict=True
-            )
-        ]
+        rows = []
+        for place, (each, value, (low, high)) in enumerate(
+            zip(self.free, self.fitted.values, self.intervals, strict=True)
+        ):
+            known = (f"{low:.4g}", f"{high:.4g}", f"{self.known.deviation[place]:.2g}")
+            given = ("-", "-", "-") if self._why_none(place) else known
+            rows.append([each.name, f"{each.start:.6g}", f"{value:.6g}", *given, each.unit])
         columns = ("parameter", "start", "identified", "2.5 %", "97.5 %", "deviation", "unit")
         errors = [
             [
@@ -88,6 +134,13 @@ class Identified:
         heads = ("part", "signal", "unit", "rms before", "median window", "rms after", "median", "windows left")
         unknown = in_words(self.known, self.free)
         lines = [f"not determined by this record: {line}; kept near the start" for line in unknown]
+        lines += [f"no interval: {line}" for line in self.doubts]
+        lines += [
+            f"no interval: {each.name} is at the end of its range"
+            for place, each in enumerate(self.free)
+            if self._why_none(place) and not self.doubts
+        ]
+        lines += self.worse()
         return "\n".join(
             [text_table(columns, rows, ("parameter", "unit")), "", text_table(heads, errors, heads[:3]), *lines]
         )
@@ -99,6 +152,7 @@ class Identified:
         head = [
             f"{source}: {len(replay.windows)} windows of {(replay.windows.size - 1) * replay.record.period:g} s",
             self.command,
+            *(f"no interval: {line}" for line in self.doubts),
         ]
         vehicle = replay.configurations["plant"].common.vehicle
         texts = {
@@ -119,13 +173,13 @@ class Identified:
                 **{
                     "start": each.start,
                     "value": float(value),
-                    "interval": interval.tolist(),
-                    "deviation": float(deviation),
+                    "interval": None if self._why_none(place) else interval.tolist(),
+                    "deviation": None if self._why_none(place) else float(deviation),
                 },
                 **{"unit": each.unit, "source": source},
             }
-            for each, value, interval, deviation in zip(
-                self.free, self.fitted.values, self.known.interval, self.known.deviation, strict=True
+            for place, (each, value, interval, deviation) in enumerate(
+                zip(self.free, self.fitted.values, self.intervals, self.known.deviation, strict=True)
             )
         }
         errors = {
@@ -141,10 +195,17 @@ class Identified:
             "identified": parameters,
             "before_and_after": errors,
             "windows_left": left,
+            "no_interval": self.doubts,
+            "worse": self.worse(),
             "cannot_be_told": in_words(self.known, self.free),
             "costs": list(self.fitted.costs),
             "evaluations": self.fitted.evaluations,
         }
+
+
+def _change(before: Judged, after: Judged) -> str:
+    """The RMS errors of the median window, from the one to the other."""
+    return f"{before.median_window:.4g} before, {after.median_window:.4g} {before.unit} after, in the median window"
 
 
 def _rms_and_median(validation: Validation, name: str) -> tuple[float, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
@@ -31,6 +31,9 @@ _LARGEST_STEP = {
     **dict.fromkeys((LONGITUDINAL, LATERAL), (3.0, 30.0)),  # [m/s], [m/s^2]
     **dict.fromkeys((LONGITUDINAL_ACCELERATION, LATERAL_ACCELERATION), (40.0, 0.0)),  # [m/s^2], [m/s^3]
 }
+SLOWEST = 1.0  # [m/s], below which nothing is made of a sideslip angle
+_MOVED = (LONGITUDINAL, LATERAL, LONGITUDINAL_ACCELERATION, LATERAL_ACCELERATION, SIDESLIP)  # to the centre of mass
+_SAME_EVERYWHERE = (YAW_RATE, "imu.yaw_rate")  # of a rigid body; a place may be given and changes nothing
 _FLIPPED = (YAW_RATE, "imu.yaw_rate", LATERAL, LATERAL_ACCELERATION, ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE, SIDESLIP)
 
 
@@ -58,6 +61,14 @@ class ColumnParameters:
     radius: float = setting(
         0.0, unit="m", low=0.0, high=2.0, about="of the wheel whose speed is in km/h, mph or m/s; 0: it is in rad/s"
     )
+    noise: float = setting(
+        0.0, unit="1", low=0.0, high=1e6, about="standard deviation of the numbers of the column, in their unit: a fit "
+        "weighs no error by less; 0 for that of a good sensor"
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        if abs(self.sign) != 1.0:
+            raise ParameterError(f"sign is {self.sign:g}, expected 1 or -1")
 
     def factor(self, channel: str) -> float:
         """From the numbers of the column to SI and REP-103."""
@@ -99,6 +110,8 @@ class MeasuredRecord:
 
     `channels` have the names of signals.npz and `SIDESLIP`, (n,) each. `valid` (n,) marks the instants that are
     believed; elsewhere channels hold interpolated numbers. `begin` [s] is the time of the file at the first instant.
+    `noise` is the declared standard deviation by channel, where there is one. The sideslip angle is NaN where the car
+    is slower than `SLOWEST`: noise of the velocities decides it there.
     """
 
     source: str
@@ -108,6 +121,7 @@ class MeasuredRecord:
     channels: Mapping[str, np.ndarray]
     valid: np.ndarray
     notes: tuple[str, ...] = ()
+    noise: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def time(self) -> np.ndarray:
@@ -162,9 +176,28 @@ def measured(
             limit = mask.steering_rate * (16.0 if name == STEERING_WHEEL_ANGLE else 1.0)
             valid &= ~jumps(channels[name], limit * period)
     notes = passed_over + spikes + _bridge(channels, valid, max(int(mask.bridge / period + 0.5), 0))
-    if SIDESLIP not in channels and {LATERAL, LONGITUDINAL} <= channels.keys():
-        channels[SIDESLIP] = sideslip(channels[LONGITUDINAL], channels[LATERAL], channels[LONGITUDINAL])
-    return MeasuredRecord(source, digest, float(begin), period, channels, valid, notes)
+    noise = {name: declared.noise * UNITS[declared.unit] for name, (_, declared) in columns.items() if declared.noise}
+    _complete_sideslip(channels, noise)
+    return MeasuredRecord(source, digest, float(begin), period, channels, valid, notes, noise)
+
+
+def _complete_sideslip(channels: dict[str, np.ndarray], noise: dict[str, float]) -> None:
+    """Sideslip angle and lateral velocity by each other, and no sideslip angle where the car hardly moves."""
+    if LONGITUDINAL not in channels:
+        return
+    speed = channels[LONGITUDINAL]
+    moves = np.abs(speed) >= SLOWEST
+    typical = float(np.median(np.abs(speed[moves]))) if moves.any() else SLOWEST
+    if SIDESLIP not in channels and LATERAL in channels:
+        channels[SIDESLIP] = sideslip(speed, channels[LATERAL], speed)
+        if LATERAL in noise:
+            noise[SIDESLIP] = noise[LATERAL] / typical
+    elif SIDESLIP in channels and LATERAL not in channels:
+        channels[LATERAL] = speed * np.tan(channels[SIDESLIP])
+        if SIDESLIP in noise:
+            noise[LATERAL] = noise[SIDESLIP] * typical
+    if SIDESLIP in channels:
+        channels[SIDESLIP] = np.where(moves, channels[SIDESLIP], np.nan)
 
 
 def sideslip(longitudinal: np.ndarray, lateral: np.ndarray, measured: np.ndarray) -> np.ndarray:
@@ -178,22 +211,34 @@ def sideslip(longitudinal: np.ndarray, lateral: np.ndarray, measured: np.ndarray
 
 
 def _move_to_centre(channels: dict[str, np.ndarray], declared: Mapping[str, ColumnParameters], period: float) -> None:
-    """Velocities and accelerations of sensors beside the centre of mass, of a rigid body that turns in the plane."""
+    """Velocities, accelerations and sideslip beside the centre of mass, of a rigid body that turns in the plane."""
     moved = [n for n, of in declared.items() if of.x or of.y]
-    if not moved:
-        return
-    if YAW_RATE not in channels:
-        raise ParameterError(f"{moved[0]} was measured beside the centre of mass, which needs {YAW_RATE}")
-    yaw_rate = channels[YAW_RATE]
-    yaw = np.gradient(yaw_rate, period)
+    moved.sort(key=lambda name: name == SIDESLIP)  # last: it needs the velocity at the centre of mass
     for name in moved:
-        x, y = declared[name].x, declared[name].y
+        if name in _SAME_EVERYWHERE:
+            continue
+        if name not in _MOVED:
+            raise ParameterError(f"{name}: x and y are refused, expected for {', '.join(_MOVED)}")
+        needed = (YAW_RATE, LONGITUDINAL) if name == SIDESLIP else (YAW_RATE,)
+        for each in needed:
+            if each not in channels:
+                raise ParameterError(f"{name} was measured beside the centre of mass, which needs {each}")
+        x, y, yaw_rate = declared[name].x, declared[name].y, channels[YAW_RATE]
+        yaw = np.gradient(yaw_rate, period)
+        if name == SIDESLIP:
+            channels[name] = _sideslip_at_centre(channels[name], channels[LONGITUDINAL], yaw_rate, x, y)
+            continue
         channels[name] = channels[name] + {
             LONGITUDINAL: y * yaw_rate,
             LATERAL: -x * yaw_rate,
             LONGITUDINAL_ACCELERATION: x * yaw_rate**2 + y * yaw,
             LATERAL_ACCELERATION: -x * yaw + y * yaw_rate**2,
-        }.get(name, 0.0)
+        }[name]
+
+
+def _sideslip_at_centre(angle: np.ndarray, speed: np.ndarray, yaw_rate: np.ndarray, x: float, y: float) -> np.ndarray:
+    """The sideslip angle [rad] of a sensor at (x, y), by its velocity, less that of the turn."""
+    return sideslip(speed, (speed - y * yaw_rate) * np.tan(angle) - x * yaw_rate, speed)
 
 
 def _bridge(channels: dict[str, np.ndarray], valid: np.ndarray, most: int) -> tuple[str, ...]:

@@ -56,7 +56,7 @@ def errors_of(simulated: np.ndarray, measured: np.ndarray, period: float = 0.0, 
 
 def _lag(simulated: np.ndarray, measured: np.ndarray, period: float, most: float) -> float:
     """By a parabola through the largest correlation of all windows that are finite, and its neighbours."""
-    whole = np.isfinite(simulated).all(axis=1)
+    whole = (np.isfinite(simulated) & np.isfinite(measured)).all(axis=1)
     reach = round(most / period)
     if not whole.any() or simulated.shape[1] <= 4 * reach:
         return float("nan")
@@ -99,8 +99,11 @@ def range_names() -> list[str]:
 
 
 def spins(sideslip: np.ndarray, measured: np.ndarray, limit: float = np.radians(20.0)) -> np.ndarray:
-    """Which windows leave the record: a number that is not finite, or a sideslip angle that far from the measured."""
-    away = np.abs(sideslip - measured)
+    """Which windows leave the record: a number that is not finite, or a sideslip angle that far from the measured.
+
+    Where none was measured (NaN) none is judged.
+    """
+    away = np.where(np.isfinite(measured), np.abs(sideslip - measured), 0.0)
     return ~np.isfinite(sideslip).all(axis=1) | (np.nan_to_num(away, nan=np.inf).max(axis=1) > limit)
 
 

@@ -21,11 +21,13 @@ from ev_sim.measured.records.record import (
     LONGITUDINAL_ACCELERATION,
     ROAD_WHEEL_ANGLE,
     SIDESLIP,
+    SLOWEST,
     STEERING_WHEEL_ANGLE,
     YAW_RATE,
     MeasuredRecord,
     sideslip,
 )
+from ev_sim.measured.replays.smoothing import SMOOTHED, smoothed, with_acceleration
 from ev_sim.scenarios.about import vehicle_file
 from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.scenario import Overrides
@@ -37,16 +39,21 @@ COMPARED = {
 HOLD = 0.2  # [s], ten times the lag of the loads: wheels, carcasses and loads settle while the body is held
 LEAD = 1.0  # [s] that a car drives ahead of a window whose lateral velocity nobody has measured, to have its own
 IMPOSED = ("speed", "pedals", "torques")  # besides the angle
+FEWEST = 10  # instants of a window, below which a replay has hardly begun
 _TORQUES = str(Path(__file__).with_name("imposed_torques.py"))
 _PEDALS = {kind: f"driver.command.{kind}_torque" for kind in ("drive", "brake")}
 
 
 @dataclass(frozen=True)
 class Windows:
-    """Windows of a record: the first instants, (n,), and how many instants a window has."""
+    """Windows of a record: the first instants, (n,), and how many instants a window has.
+
+    `at_rest` counts the windows that were passed over because the car stood.
+    """
 
     first: np.ndarray
     size: int
+    at_rest: int = 0
 
     def __len__(self) -> int:
         """How many there are."""
@@ -58,29 +65,40 @@ class Windows:
 
     def some(self, chosen: np.ndarray) -> Windows:
         """Those that are marked, or numbered."""
-        return Windows(self.first[chosen], self.size)
+        return Windows(self.first[chosen], self.size, self.at_rest)
 
 
 def windows_of(record: MeasuredRecord, length: float, begin: float = 0.0, end: float = 1.0) -> Windows:
     """Windows of `length` [s] one behind the other, between two shares of the record's duration.
 
-    A window begins anew behind what is masked. ParameterError if not one fits.
+    A window begins anew behind what is masked; one in which the car stands throughout is passed over. ParameterError
+    if not one fits.
     """
+    least, most = (FEWEST - 1) * record.period, len(record.valid) * record.period
+    if not least <= length <= most:
+        what = f"a window of {length:g} s of {record.source} is refused"
+        raise ParameterError(f"{what}, expected {least:g} to {most:g} s (--window)")
     size = round(length / record.period) + 1
-    first, place = [], int(begin * len(record.valid))
+    first, place, at_rest = [], int(begin * len(record.valid)), 0
     last = int(end * len(record.valid))
     while place + size <= last:
         bad = np.flatnonzero(~record.valid[place : place + size])
         if len(bad):
             place += int(bad[-1]) + 1
-        else:
+            continue
+        if np.abs(record[LONGITUDINAL][place : place + size]).max() >= SLOWEST:
             first.append(place)
-            place += size - 1
+        else:
+            at_rest += 1
+        place += size - 1
     if not first:
         begin, end = (round(share * len(record.valid)) * record.period for share in (begin, end))
         where = f"from {begin:.1f} s to {end:.1f} s of {record.source}"
-        raise ParameterError(f"no window of {length:g} s without a gap {where}, allowed is a shorter --window")
-    return Windows(np.array(first), size)
+        standing = f" ({at_rest} in which the car stands)" if at_rest else ""
+        raise ParameterError(
+            f"no window of {length:g} s without a gap {where}{standing}, expected a shorter --window or a car that drives"
+        )
+    return Windows(np.array(first), size, at_rest)
 
 
 _OWN: Mapping[str, Mapping[str, Any]] = {
@@ -125,8 +143,8 @@ class OpenLoop:
     """Replays windows of a record for any number of cars at once.
 
     The car is driven as the record was: road-wheel angle and, by `imposed`, longitudinal velocity, pedals or the torque
-    of each wheel. Velocities and yaw rate are those that were measured when the window begins, all else follows. A
-    car whose lateral velocity was not measured begins `LEAD` before the window without any. `notes` has what was
+    of each wheel. Velocities and yaw rate are those that were measured when the window begins, all else follows. The
+    speed that is imposed and what a window begins from are smoothed (`smoothing`), so that noise is no force. A car whose lateral velocity was not measured begins `LEAD` before the window without any. `notes` has what was
     made of the torques. ParameterError if the record lacks what is imposed.
     """
 
@@ -149,19 +167,24 @@ class OpenLoop:
         ahead = np.maximum(windows.first[:, None] + np.arange(-self._lead, windows.size), 0)
         begin = windows.first if held else ahead[:, 0]
         time = [round(n * record.period, 9) for n in range(size)]
-        speed = record[LONGITUDINAL][ahead]
+        smooth = {name: smoothed(record, name) for name in SMOOTHED if name in record.channels}
+        speed = smooth[LONGITUDINAL][ahead]
         self._fixed: dict[str, list[Any]] = {
             "plant.speed": ["imposed" if self.is_imposed else "free"] * len(windows),
             "plant.imposed_speed.time": [time] * len(windows),
             "plant.imposed_speed.speed": speed.tolist(),
             "plant.initial_speed": (speed[:, 0] if self.is_imposed or not held else speed[:, self._lead]).tolist(),
             "plant.initial_hold": [HOLD if held else 0.0] * len(windows),
-            "plant.initial_lateral_velocity": (record[LATERAL][begin] if held else np.zeros(len(begin))).tolist(),
-            "plant.initial_yaw_rate": record[YAW_RATE][begin].tolist(),
+            "plant.initial_lateral_velocity": (smooth[LATERAL][begin] if held else np.zeros(len(begin))).tolist(),
+            "plant.initial_yaw_rate": smooth[YAW_RATE][begin].tolist(),
             "steering_column.time": [time] * len(windows),
             "steering_column.angle": self.road_wheel_angle[ahead].tolist(),
         }
         self.notes: tuple[str, ...] = ()
+        if windows.at_rest:
+            self.notes += (f"{windows.at_rest} windows in which the car stands are passed over",)
+        if self.is_imposed:
+            self.notes += (with_acceleration(record, smooth[LONGITUDINAL]),)
         self.driven_one_by_one: dict[str, np.ndarray] = {}  # by driven wheel the torque [N m], (windows, size)
         if imposed == "pedals":
             self._fixed["driver.pedals.time"] = [time] * len(windows)
@@ -189,7 +212,7 @@ class OpenLoop:
         channels = {f"{kind}.{wheel}": f"torque_command.{kind}.{wheel}" for kind in _PEDALS for wheel in WHEEL_NAMES}
         missing = [channel for channel in channels.values() if channel not in self.record.channels]
         if len(missing) == len(channels):
-            raise ParameterError(f"{self.record.source} has no wheel torque, allowed is any of {', '.join(missing)}")
+            raise ParameterError(f"{self.record.source} has no wheel torque, expected any of {', '.join(missing)}")
         if missing:
             self.notes += (f"not in the record and taken as zero: {', '.join(missing)}",)
         none = np.zeros(len(self.record.valid))

@@ -15,7 +15,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.figures.panels import IN_FIGURES, Curve, Panel, readable
 from ev_sim.figures.saving import save_figures
 from ev_sim.figures.sheets import Sheet, drawn
-from ev_sim.measured.records.record import LONGITUDINAL, ROAD_WHEEL_ANGLE, SIDESLIP, YAW_RATE, quoted_source
+from ev_sim.measured.records.record import LONGITUDINAL, ROAD_WHEEL_ANGLE, SIDESLIP, SLOWEST, YAW_RATE, quoted_source
 from ev_sim.measured.replays.corridors import (
     Corridor,
     CorridorParameters,
@@ -77,7 +77,10 @@ class Validation:
         """Which windows left the record (`errors.spins`)."""
         simulated = self.simulated[SIDESLIP]
         known = SIDESLIP in self.replay.record.channels
-        return spins(simulated, self.replay.measured(SIDESLIP) if known else np.zeros_like(simulated))
+        if known:
+            return spins(simulated, self.replay.measured(SIDESLIP))
+        moves = np.abs(self.replay.measured(LONGITUDINAL)) >= SLOWEST
+        return spins(simulated, np.where(moves, 0.0, np.nan))
 
     @cached_property
     def friction_used(self) -> np.ndarray:
@@ -152,7 +155,7 @@ class Validation:
         panels = []
         for name in self.names:
             one, other = both["measured"].channels[name], both["simulated"].channels[name]
-            span = float(np.max(np.abs(one))) * 1.3
+            span = float(np.nanmax(np.abs(one))) * 1.3
             panels.append(_panel(readable(name), name, time, {"measured": one, "simulated": other}, span))
             panels.append(_panel(f"error of {readable(name)}", name, time, {"": other - one}, span))
         sheets = {"over_time": Sheet(panels), "worst": self._worst(), "corridors": corridor_sheet(self.corridors)}
@@ -170,7 +173,7 @@ class Validation:
                 self.replay.measured(estimate.channel),
             )
         )
-        title, span = f"{readable(estimate.name)}", float(np.max(np.abs(measured))) * 1.3
+        title, span = f"{readable(estimate.name)}", float(np.nanmax(np.abs(measured))) * 1.3
         both = {"measured": measured, "estimated": found}
         return [
             _panel(title, estimate.channel, time, both, span),
