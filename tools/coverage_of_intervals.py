@@ -1,4 +1,4 @@
-"""python tools/coverage_of_intervals.py [GROUP ...] [--seeds N]: how often an identification's intervals hold the truth.
+"""python tools/coverage_of_intervals.py [GROUP ...] [--seeds N]: how often identified intervals hold the truth.
 
 A simulated car is driven through a manoeuvre of each seed. All that is imposed and all that is compared gets noise, and
 each group of parameters is identified as by scripts/run.sh identify from two thirds of the record, begun off. An

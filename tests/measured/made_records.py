@@ -24,7 +24,7 @@ MAPPING = """
 time: {column: t, unit: ms}
 channels:
   twist.longitudinal: {column: speed, unit: km/h, x: 1.0, y: 0.5}
-  twist.lateral: {column: vy, unit: m/s, frame: sae, x: 1.0, y: 0.5}
+  twist.lateral: {column: vy, unit: m/s, noise: 0.005, frame: sae, x: 1.0, y: 0.5}
   twist.yaw_rate: {column: r, unit: deg/s, frame: sae}
   imu.lateral_acceleration: {column: ay, unit: m/s2, frame: sae, x: 1.0, y: 0.5}
   steering_column.state.road_wheel_angle: {column: steer, unit: deg, sign: -1}

@@ -46,7 +46,7 @@ def test_a_short_spike_is_bridged_and_a_gap_is_masked(tmp_path):
     begins = windows_of(record, 2.0).first
     assert begins.tolist() == [0, 200, 400, 750, 950]
     with pytest.raises(
-        ParameterError, match=r"^no window of 5 s without a gap from 8\.0 s to 12\.0 s of .*made\.csv, allowed is a"
+        ParameterError, match=r"^no window of 5 s without a gap from 8\.0 s to 12\.0 s of .*made\.csv, expected a"
     ):
         windows_of(record, 5.0, 2 / 3)
     assert record.notes == ("51 instants in 2 jumps and gaps, 1 of them bridged, 1 masked",)

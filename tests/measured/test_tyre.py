@@ -11,6 +11,7 @@ from scipy.io import savemat
 
 from ev_core.vehicle.files import read_tyre
 from ev_core.vehicle.tyre import MF_NAMES, mf_tyres
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.measured.magic_formula import Points, combined_lateral, combined_longitudinal
 from ev_sim.measured.rig import read_rig
@@ -103,3 +104,40 @@ def test_what_is_no_rig_data_is_refused(tmp_path):
     with pytest.raises(SystemExit) as ended:
         main(["identify", "--tyre", str(tmp_path / "rig.csv"), "--out", str(tmp_path / "out")])
     assert "lacks SL, IA, FZ" in str(ended.value)
+
+
+def test_coefficients_that_no_sweep_decides_are_named_as_assumed(tmp_path, capsys):
+    """Side force alone: what belongs to slip ratios stands in a section of its own, and the plant reads the file."""
+    columns = rig()
+    lateral = columns["SL"] == 0.0
+    path = write(tmp_path / "rig.csv", {name: values[:720] for name, values in columns.items()})
+    assert lateral[:720].all()
+    main(["identify", "--tyre", str(path), "--out", str(tmp_path / "out")])
+    assert "not identified, no sweep is there for them, assumed: PCX1" in capsys.readouterr().out
+    assumed = (tmp_path / "out" / "tyre.tir").read_text().partition("[COEFFICIENTS_THAT_ARE_ASSUMED]")[2]
+    assert all(f"{name} " in assumed for name in ("PDX1", "PKX1", "RBX1", "RBY1"))
+    assert "PKY1" not in assumed
+    assert len(read_tyre("tyre", str(tmp_path / "out" / "tyre.tir"))) == len(MF_NAMES)
+
+
+def test_a_log_without_pauses_is_split_where_the_rig_changes_its_load(tmp_path):
+    """Six loads of one sweep of the slip angle each, 1.2 s long."""
+    columns = {name: values[:720] for name, values in rig().items()}
+    columns["ET"] = np.arange(720) * 0.01
+    assert read_rig([write(tmp_path / "rig.csv", columns)]).count == 6
+
+
+@pytest.mark.parametrize(
+    ("column", "factor", "line"),
+    [
+        ("FZ", -1.0, r"FZ is .* N in the median, expected below 0"),
+        ("P", 1 / 6.895, r"P is 29.* kPa in the median, expected 40"),
+        ("FY", -1.0, "FY has the sign of SA, expected the opposite"),
+        ("FX", -1.0, "FX has the sign of the opposite of SL"),
+    ],
+)
+def test_rig_data_of_other_signs_and_units_are_refused(tmp_path, column, factor, line):
+    columns = rig()
+    columns[column] = factor * columns[column]
+    with pytest.raises(ParameterError, match=line):
+        read_rig([write(tmp_path / "rig.csv", columns)])

@@ -26,6 +26,7 @@ from ev_sim.measured.intervals import knowledge
 from ev_sim.measured.journal import Journal, search_key
 from ev_sim.measured.motor_map import FILES_OF_MOTOR, MOTOR, fit_motor, motor_table, write_motor
 from ev_sim.measured.records.bags import is_foreign
+from ev_sim.measured.records.loose_bags import without_metadata
 from ev_sim.measured.records.mapping import read_record, read_standard
 from ev_sim.measured.records.record import (
     SIDESLIP,
@@ -39,6 +40,8 @@ from ev_sim.measured.records.record import (
 from ev_sim.measured.replays.corridors import CORRIDOR, corridor_parameters
 from ev_sim.measured.replays.estimates import estimates_of
 from ev_sim.measured.replays.open_loop import IMPOSED, ROLES_OF_REPLAY, OpenLoop, Windows, graph, windows_of
+from ev_sim.measured.replays.plausibility import contradictions
+from ev_sim.measured.replays.smoothing import CUT_OFF
 from ev_sim.measured.replays.validation import FILES, Validation, signals_to_show
 from ev_sim.measured.rig import read_rig
 from ev_sim.measured.tyre_fit import fit_tyre
@@ -50,6 +53,8 @@ from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.scenario import Overrides
 
 JOURNAL = "search.journal"  # of a search that is under way
+# Largest values of options of `identify`, each above 0.
+_MOST = {"starts": 1000, "steps": 100_000, "every": 100_000, "prior": 1e6, "train": 1.0}
 _OF_A_RUN = (".npz", ".mcap", ".db3", "")  # what a recording of ours may end with; the last is a folder
 
 
@@ -137,11 +142,10 @@ def run_identify(argv: Sequence[str]) -> None:
         parser.error(
             "which record, and which parameters? RECORD --free GROUP ..., or --tyre RIG ..., or --motor MAP.csv"
         )
-    for name in ("starts", "steps", "every", "prior"):
-        if not getattr(given, name) > 0:
-            raise ParameterError(f"--{name} {getattr(given, name)} is refused, allowed is more than 0")
-    if not 0.0 < given.train <= 1.0:
-        raise ParameterError(f"--train {given.train:g} is refused, allowed is more than 0 and at most 1")
+    for name, most in _MOST.items():
+        value = getattr(given, name)
+        if not 0.0 < value <= most:
+            raise ParameterError(f"--{name} {value:g} is refused, expected more than 0 and at most {most:g}")
     record = open_record(given.record, given.mapping)
     begin, end = given.part
     split = begin + given.train * (end - begin)
@@ -151,6 +155,8 @@ def run_identify(argv: Sequence[str]) -> None:
         part: _replay(given, record, windows_of(record, given.window, *of), changed) for part, of in parts.items()
     }
     replay = replays[PARTS[0]]
+    if wrong := contradictions(replay):
+        raise ParameterError(f"{record.source}: {wrong[0]}")
     stated, beside = _given(given)
     free = free_parameters(given.free, replay.configurations)
     signals = given.signals or [name for name in (YAW_RATE, SIDESLIP) if name in replay.compared]
@@ -193,7 +199,7 @@ def _given(given: argparse.Namespace) -> tuple[dict[str, Any], dict[str, Any]]:
 def _identify_tyre(given: argparse.Namespace, command: str) -> None:
     """Fit a tyre to rig data, and write its property file, the errors and curves over data."""
     if not 0.1 <= given.friction_scale <= 2.0:
-        raise ParameterError(f"--friction-scale {given.friction_scale:g} is refused, allowed is 0.1 to 2")
+        raise ParameterError(f"--friction-scale {given.friction_scale:g} is refused, expected 0.1 to 2")
     sweeps = read_rig(given.tyre)
     with OutputFolder(given.out, "identify tyre", FILES_OF_TYRE) as folder:
         fit = fit_tyre(sweeps)
@@ -216,6 +222,8 @@ def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
     parser.add_argument(
         "--impose", choices=IMPOSED, default="speed", help="what drives the car besides the measured angle"
     )
+    about = f"[Hz] of the speed and what windows begin from, 0 for none; default {CUT_OFF:g}"
+    parser.add_argument("--smooth", type=_cut_off, default=CUT_OFF, metavar="HZ", help=about)
     parser.add_argument("--window", type=float, default=5.0, metavar="S", help="length of a window; default 5 s")
     parser.add_argument(
         "--part", type=_part, default=(0.0, 1.0), metavar="A:B", help="shares of the record; default 0:1"
@@ -225,6 +233,13 @@ def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
         "--out", type=output_folder, metavar="DIR", default=folder, help=f"output folder; default {folder}"
     )
     add_changes(parser)
+
+
+def _cut_off(text: str) -> float:
+    value = float(text)
+    if not (value == 0.0 or 0.1 <= value <= 1000.0):
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, expected 0, or 0.1 to 1000 Hz")
+    return value
 
 
 def _part(text: str) -> tuple[float, float]:
@@ -257,7 +272,7 @@ def _replay(given: argparse.Namespace, record: MeasuredRecord, windows: Windows,
     if given.vehicle is None:
         raise ParameterError("--vehicle is missing: which car?")
     configurations = graph(given.vehicle, record.period, changed, given.impose)
-    return OpenLoop(record, windows, configurations, signals_to_show(), given.impose)
+    return OpenLoop(record, windows, configurations, signals_to_show(), given.impose, given.smooth)
 
 
 def open_record(path: Path, mapping: Path | None = None) -> MeasuredRecord:
@@ -265,8 +280,11 @@ def open_record(path: Path, mapping: Path | None = None) -> MeasuredRecord:
 
     ParameterError if there is none.
     """
-    beside = path.with_name(path.name.removesuffix(".xz")).with_suffix(".yaml")
-    if mapping or beside.exists() or path.suffix not in _OF_A_RUN:
+    path = without_metadata(path)
+    name = path.name.removesuffix(".xz")
+    # The name of a folder has no suffix: drive_v1.yaml is not that of the bag drive_v1.2.
+    beside = path.with_name(f"{name if path.is_dir() else Path(name).stem}.yaml")
+    if mapping or beside.exists() or not (path.is_dir() or path.suffix in _OF_A_RUN):
         return read_record(path, mapping or beside)
     if path.suffix != ".npz" and is_foreign(path):
         return read_standard(path)

@@ -24,8 +24,6 @@ from ev_sim.report.tables import text_table
 CAR, BESIDE = "vehicle.yaml", "parameters.yaml"
 FILES_OF_IDENTIFICATION = (*FILES, CAR, BESIDE)
 PARTS = ("training", "held out")
-LATE = 0.03  # [s]; a signal that comes later than its replay by as much shifts what is found by more than noise does
-CLEAR = 0.5  # share of the variance that a replay has to have, below which a lag is a matter of chance
 
 
 @dataclass(frozen=True)
@@ -67,9 +65,8 @@ class Identified:
             was, now = (each.judged[name] for each in (before, after))
             if now.median_window > was.median_window + 0.05 * max(was.median_window, self.fitted.weights[name]):
                 found.append(f"{name} is reproduced worse than at the start: {_change(was, now)}")
-            if abs(now.errors.lag) > LATE and now.errors.explained > CLEAR:
-                when = "late" if now.errors.lag < 0.0 else "early"
-                found.append(f"the record has {name} {abs(now.errors.lag):.3f} s {when}: clock or filter of a sensor")
+            if late := now.is_late(name):
+                found.append(late)
         return found
 
     def worse(self) -> list[str]:

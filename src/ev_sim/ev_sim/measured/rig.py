@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.signal import find_peaks
 
 from ev_core.parameters.data_file import SIGNALS, read_data
 from ev_msgs_py.refusal import ParameterError
@@ -22,6 +24,10 @@ _COLUMNS = {
     "longitudinal_force": ("FX", 1.0),
     "lateral_force": ("FY", -1.0),
 }
+# What the rig holds during a sweep, and how much it changes at least from one to the next.
+SETTINGS = {"FZ": 150.0, "IA": 0.5, "P": 5.0}  # N, deg, kPa
+AROUND = 50  # samples, half a second at 100 Hz: load and inclination take as long to settle
+LEAST_PRESSURE, MOST_PRESSURE = 40.0, 1200.0  # kPa; a tyre at 6 psi has 41, that of a lorry 900
 GAP = 0.5  # [s] without samples between two sweeps: the rig changes load, inclination or pressure there
 ROLLS_FREELY = 0.01  # largest slip ratio of a sweep of the slip angle alone, and slip angle [rad] of one of the ratio
 
@@ -61,22 +67,69 @@ def read_rig(paths: list[Path]) -> Sweeps:
     for path in paths:
         columns, digest = _mat(path) if path.suffix == ".mat" else read_columns(path)[:2]
         if lacking := [name for name in ("ET", *(n for n, _ in _COLUMNS.values())) if name not in columns]:
-            raise ParameterError(f"{path}: lacks {', '.join(lacking)}, allowed is a table of the FSAE TTC (SAE, SI)")
+            raise ParameterError(f"{path}: lacks {', '.join(lacking)}, expected a table of the FSAE TTC (SAE, SI)")
+        _check_units(path, columns)
         tables.append(columns)
         digests.append(digest[:12])
     number, last = [], -1
     for columns in tables:
-        steps = np.diff(columns["ET"])
-        of = last + 1 + np.concatenate([[0], np.cumsum((steps > GAP) | (steps < 0.0))])
+        of = last + 1 + np.concatenate([[0], np.cumsum(_begins(columns))])
         number.append(of)
         last = int(of[-1])
     points = Points(
         **{name: factor * np.concatenate([t[column] for t in tables]) for name, (column, factor) in _COLUMNS.items()}
     )
     whole = np.all([np.isfinite(getattr(points, name)) for name in _COLUMNS], axis=0) & (points.load > 0.0)
-    return Sweeps(
+    found = Sweeps(
         points.some(whole), np.unique(np.concatenate(number)[whole], return_inverse=True)[1], " ".join(digests)
     )
+    _check_signs(", ".join(map(str, paths)), found)
+    return found
+
+
+def _begins(columns: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Behind which samples another sweep begins, (n - 1,): a pause or a time that goes back, without any a setting."""
+    steps = np.diff(columns["ET"])
+    found: np.ndarray = (steps > GAP) | (steps < 0.0)
+    if found.any():
+        return found
+    for name, least in SETTINGS.items():
+        found |= _changes(columns[name], least)
+    return found
+
+
+def _changes(values: np.ndarray, least: float) -> np.ndarray:
+    """Where the medians of `AROUND` samples before and behind differ most, if by more than `least`, (n - 1,)."""
+    changed = np.zeros(len(values) - 1, bool)
+    if len(values) < 2 * AROUND:
+        return changed
+    medians = np.median(np.lib.stride_tricks.sliding_window_view(values, AROUND), axis=1)
+    apart = np.abs(medians[AROUND:] - medians[:-AROUND])
+    peaks, _ = find_peaks(np.concatenate([[0.0], apart, [0.0]]), height=least, distance=AROUND)
+    changed[peaks - 1 + AROUND - 1] = True
+    return changed
+
+
+def _check_units(path: Path, columns: Mapping[str, np.ndarray]) -> None:
+    """Refuse loads and pressures that are none in N and kPa, and loads that are not below zero."""
+    load, pressure = float(np.nanmedian(columns["FZ"])), float(np.nanmedian(columns["P"]))
+    if load >= 0.0:
+        raise ParameterError(f"{path}: FZ is {load:.4g} N in the median, expected below 0 (SAE: z is down)")
+    if not LEAST_PRESSURE <= pressure <= MOST_PRESSURE:
+        expected = f"expected {LEAST_PRESSURE:g} to {MOST_PRESSURE:g} kPa: the unit of P, and of the forces with it?"
+        raise ParameterError(f"{path}: P is {pressure:.4g} kPa in the median, {expected}")
+
+
+def _check_signs(where: str, sweeps: Sweeps) -> None:
+    """Refuse forces that a tyre does not make: a side force with its slip angle, a drive force against its slip."""
+    points = sweeps.points
+    for name, force, slip, chosen, sign in (
+        ("FY", points.lateral_force, points.slip_angle, sweeps.is_lateral, -1.0),
+        ("FX", points.longitudinal_force, points.slip_ratio, sweeps.is_longitudinal, 1.0),
+    ):
+        if sign * float(np.sum(force[chosen] * slip[chosen])) < 0.0:
+            expected = "SA, expected the opposite one" if name == "FY" else "the opposite of SL, expected the same"
+            raise ParameterError(f"{where}: {name} has the sign of {expected} (SAE)")
 
 
 def _mat(path: Path) -> tuple[dict[str, np.ndarray], str]:

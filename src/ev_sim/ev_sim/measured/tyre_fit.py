@@ -46,11 +46,15 @@ KINDS = ("lateral", "longitudinal", "combined longitudinal", "combined lateral")
 
 @dataclass(frozen=True)
 class TyreFit:
-    """The coefficients, and by kind of force the RMS error over the largest force, of seen and of unseen sweeps."""
+    """The coefficients, and by kind of force the RMS error over the largest force, of seen and of unseen sweeps.
+
+    `at_start` names the coefficients that no sweep has decided: they are assumptions.
+    """
 
     coefficients: Mapping[str, float]
     seen: Mapping[str, float]
     unseen: Mapping[str, float]
+    at_start: tuple[str, ...] = ()
 
 
 def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
@@ -75,15 +79,17 @@ def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
         )
     )
     seen_errors, unseen_errors = {}, {}
+    at_start: list[str] = []
     for kind, (free, model, force, chosen) in steps.items():
         if not (chosen & ~unseen).any():
+            at_start += free
             continue
         thin = _thinned(sweeps.number, chosen & ~unseen)
         found |= _fitted(free, model, found, points.some(thin), force[thin])
         for errors, part in ((seen_errors, chosen & ~unseen), (unseen_errors, chosen & unseen)):
             if part.any():
                 errors[kind] = _relative(model(found, points.some(part)), force[part])
-    return TyreFit(found, seen_errors, unseen_errors)
+    return TyreFit(found, seen_errors, unseen_errors, tuple(at_start))
 
 
 def _thinned(number: np.ndarray, chosen: np.ndarray) -> np.ndarray:

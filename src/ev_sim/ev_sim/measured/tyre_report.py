@@ -26,16 +26,33 @@ _ANGLE = "slip_angle"
 
 def tyre_table(fit: TyreFit) -> str:
     """Errors by kind of force, of the sweeps that the fit has seen and of those that it has not."""
-    rows = [[kind, f"{100 * fit.seen[kind]:.2f} %", f"{100 * fit.unseen.get(kind, np.nan):.2f} %"] for kind in fit.seen]
-    return text_table(("force", "RMS over largest, seen", "unseen sweeps"), rows, left=("force",))
+    rows = []
+    for kind, error in fit.seen.items():
+        unseen = f"{100 * fit.unseen[kind]:.2f} %" if kind in fit.unseen else "none"
+        rows.append([kind, f"{100 * error:.2f} %", unseen])
+    table = text_table(("force", "RMS over largest, seen", "unseen sweeps"), rows, left=("force",))
+    return "\n".join([table, *_not_identified(fit)])
+
+
+def _not_identified(fit: TyreFit) -> list[str]:
+    """The line on the coefficients that stand at their start, if there are any."""
+    if not fit.at_start:
+        return []
+    return [f"not identified, no sweep is there for them, assumed: {', '.join(fit.at_start)}"]
 
 
 def write_tyre(folder: Path, fit: TyreFit, sweeps: Sweeps, friction_scale: float, command: str) -> None:
     """Everything into a folder."""
-    head = f"identified from rig data, SHA-256 {sweeps.digest}\n{command}"
+    head = "\n".join([f"identified from rig data, SHA-256 {sweeps.digest}", command, *_not_identified(fit)])
     with atomic_file(folder / TYRE) as file:
         file.write(property_file(fit, friction_scale, head).encode())
-    content = {"about": head, "seen": dict(fit.seen), "unseen": dict(fit.unseen), "sweeps": sweeps.count}
+    content = {
+        "about": head,
+        "seen": dict(fit.seen),
+        "unseen": dict(fit.unseen),
+        "assumed": list(fit.at_start),
+        "sweeps": sweeps.count,
+    }
     write_summary(folder / SUMMARY, content | {"coefficients": dict(fit.coefficients)})
     save_figures({"curves": curves(fit, sweeps).figure()}, folder)
 
@@ -77,9 +94,12 @@ def property_file(fit: TyreFit, friction_scale: float, head: str) -> str:
         ("MODEL", {"FITTYP": "61", "TYRESIDE": "'LEFT'"}),
         ("UNITS", {"LENGTH": "'meter'", "FORCE": "'newton'", "ANGLE": "'radians'", "MASS": "'kg'", "TIME": "'second'"}),
         ("SCALING_COEFFICIENTS", {"LMUX": f"{friction_scale:g}", "LMUY": f"{friction_scale:g}"}),
-        ("COEFFICIENTS", {name: f"{value:.9g}" for name, value in sorted(fit.coefficients.items())}),
+        ("COEFFICIENTS", {n: f"{v:.9g}" for n, v in sorted(fit.coefficients.items()) if n not in fit.at_start}),
+        ("COEFFICIENTS_THAT_ARE_ASSUMED", {n: f"{fit.coefficients[n]:.9g}" for n in sorted(fit.at_start)}),
     )
     lines = [f"$ {line}" for line in head.splitlines()]
     for title, entries in groups:
+        if not entries:
+            continue
         lines += [f"[{title}]", *(f"{name:16} = {value}" for name, value in entries.items())]
     return "\n".join(lines) + "\n"

@@ -228,12 +228,15 @@ def _move_to_centre(channels: dict[str, np.ndarray], declared: Mapping[str, Colu
         if name == SIDESLIP:
             channels[name] = _sideslip_at_centre(channels[name], channels[LONGITUDINAL], yaw_rate, x, y)
             continue
-        channels[name] = channels[name] + {
-            LONGITUDINAL: y * yaw_rate,
-            LATERAL: -x * yaw_rate,
-            LONGITUDINAL_ACCELERATION: x * yaw_rate**2 + y * yaw,
-            LATERAL_ACCELERATION: -x * yaw + y * yaw_rate**2,
-        }[name]
+        channels[name] = (
+            channels[name]
+            + {
+                LONGITUDINAL: y * yaw_rate,
+                LATERAL: -x * yaw_rate,
+                LONGITUDINAL_ACCELERATION: x * yaw_rate**2 + y * yaw,
+                LATERAL_ACCELERATION: -x * yaw + y * yaw_rate**2,
+            }[name]
+        )
 
 
 def _sideslip_at_centre(angle: np.ndarray, speed: np.ndarray, yaw_rate: np.ndarray, x: float, y: float) -> np.ndarray:

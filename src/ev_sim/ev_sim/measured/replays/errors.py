@@ -12,6 +12,8 @@ import numpy as np
 from ev_sim.measures.metric import Metric
 from ev_sim.report.tables import text_table
 
+LATE = 0.03  # [s]; a signal that comes later than its replay by as much shifts what is found by more than noise does
+CLEAR = 0.5  # share of the variance that a replay has to have, below which a lag is a matter of chance
 RANGES = (0.0, 2.0, 4.0, 6.0, 8.0, np.inf)  # of the magnitude of the lateral acceleration [m/s^2]
 
 
@@ -120,6 +122,13 @@ class Judged:
     def median_window(self) -> float:
         """The RMS error of the median window; NaN where no number is finite."""
         return float(np.nanmedian(self.of_windows)) if np.isfinite(self.of_windows).any() else float("nan")
+
+    def is_late(self, name: str) -> str:
+        """The line on a measured signal that comes well before or behind the simulated one; empty if it does not."""
+        if not (abs(self.errors.lag) > LATE and self.errors.explained > CLEAR):
+            return ""
+        when = "late" if self.errors.lag < 0.0 else "early"
+        return f"{name} is measured {abs(self.errors.lag):.3f} s {when}: clock or filter of a sensor, or another car"
 
     def metrics(self, name: str) -> dict[str, Metric]:
         """For summary.json and the page, by names that begin so."""

@@ -27,7 +27,7 @@ from ev_sim.measured.records.record import (
     MeasuredRecord,
     sideslip,
 )
-from ev_sim.measured.replays.smoothing import SMOOTHED, smoothed, with_acceleration
+from ev_sim.measured.replays.smoothing import CUT_OFF, SMOOTHED, smoothed, with_acceleration
 from ev_sim.scenarios.about import vehicle_file
 from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.scenario import Overrides
@@ -95,9 +95,8 @@ def windows_of(record: MeasuredRecord, length: float, begin: float = 0.0, end: f
         begin, end = (round(share * len(record.valid)) * record.period for share in (begin, end))
         where = f"from {begin:.1f} s to {end:.1f} s of {record.source}"
         standing = f" ({at_rest} in which the car stands)" if at_rest else ""
-        raise ParameterError(
-            f"no window of {length:g} s without a gap {where}{standing}, expected a shorter --window or a car that drives"
-        )
+        expected = "expected a shorter --window or a car that drives"
+        raise ParameterError(f"no window of {length:g} s without a gap {where}{standing}, {expected}")
     return Windows(np.array(first), size, at_rest)
 
 
@@ -144,8 +143,10 @@ class OpenLoop:
 
     The car is driven as the record was: road-wheel angle and, by `imposed`, longitudinal velocity, pedals or the torque
     of each wheel. Velocities and yaw rate are those that were measured when the window begins, all else follows. The
-    speed that is imposed and what a window begins from are smoothed (`smoothing`), so that noise is no force. A car whose lateral velocity was not measured begins `LEAD` before the window without any. `notes` has what was
-    made of the torques. ParameterError if the record lacks what is imposed.
+    speed that is imposed and what a window begins from are smoothed with a `cut_off` [Hz] (`smoothing`), so that noise
+    is no force; 0 takes the samples as they are. A car whose lateral velocity was not measured begins `LEAD` before the
+    window without any. `notes` has what was made of speed and torques. ParameterError if the record lacks what is
+    imposed.
     """
 
     def __init__(
@@ -155,11 +156,12 @@ class OpenLoop:
         configurations: Mapping[str, Configuration],
         signals: Sequence[str] = (LATERAL, YAW_RATE, LATERAL_ACCELERATION),
         imposed: str = "speed",
+        cut_off: float = CUT_OFF,
     ) -> None:
         self.record, self.windows = record, windows
         self._signals = (*dict.fromkeys((LONGITUDINAL, *signals)),)
         self.configurations = configurations
-        self.is_imposed = imposed == "speed"
+        self.is_imposed, self.cut_off = imposed == "speed", cut_off
         held = LATERAL in record.channels
         self._lead = round((HOLD if held else LEAD) / record.period)
         size = self._lead + windows.size
@@ -167,7 +169,7 @@ class OpenLoop:
         ahead = np.maximum(windows.first[:, None] + np.arange(-self._lead, windows.size), 0)
         begin = windows.first if held else ahead[:, 0]
         time = [round(n * record.period, 9) for n in range(size)]
-        smooth = {name: smoothed(record, name) for name in SMOOTHED if name in record.channels}
+        smooth = {name: smoothed(record, name, cut_off) for name in SMOOTHED if name in record.channels}
         speed = smooth[LONGITUDINAL][ahead]
         self._fixed: dict[str, list[Any]] = {
             "plant.speed": ["imposed" if self.is_imposed else "free"] * len(windows),
@@ -184,7 +186,7 @@ class OpenLoop:
         if windows.at_rest:
             self.notes += (f"{windows.at_rest} windows in which the car stands are passed over",)
         if self.is_imposed:
-            self.notes += (with_acceleration(record, smooth[LONGITUDINAL]),)
+            self.notes += (with_acceleration(record, smooth[LONGITUDINAL], cut_off),)
         self.driven_one_by_one: dict[str, np.ndarray] = {}  # by driven wheel the torque [N m], (windows, size)
         if imposed == "pedals":
             self._fixed["driver.pedals.time"] = [time] * len(windows)

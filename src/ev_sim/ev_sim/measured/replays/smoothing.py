@@ -16,24 +16,32 @@ SMOOTHED = (LONGITUDINAL, LATERAL, YAW_RATE)  # the imposed speed, and what a wi
 CUT_OFF = 3.0  # [Hz], where half is left; of the motion of a car on its tyres nearly all is below 2 Hz
 
 
-def smoothed(record: MeasuredRecord, channel: str) -> np.ndarray:
-    """A channel without what is faster than `CUT_OFF`, (n,); as it is, if the samples are too far apart or too few."""
-    values = record[channel]
-    nyquist = 0.5 / record.period
-    padded = round(1.0 / CUT_OFF / record.period)
-    if nyquist < 2.0 * CUT_OFF or len(values) <= padded:
+def smoothed(record: MeasuredRecord, channel: str, cut_off: float = CUT_OFF) -> np.ndarray:
+    """A channel without what is faster than `cut_off` [Hz], (n,)."""
+    return smoothed_values(record[channel], record.period, cut_off)
+
+
+def smoothed_values(values: np.ndarray, period: float, cut_off: float = CUT_OFF) -> np.ndarray:
+    """A series likewise; as it is for 0, or if the samples are too far apart or too few."""
+    if cut_off == 0.0:
         return values
-    found: np.ndarray = sosfiltfilt(butter(2, CUT_OFF / nyquist, output="sos"), values, padlen=padded)
+    nyquist = 0.5 / period
+    padded = round(1.0 / cut_off / period)
+    if nyquist < 2.0 * cut_off or len(values) <= padded:
+        return values
+    found: np.ndarray = sosfiltfilt(butter(2, cut_off / nyquist, output="sos"), values, padlen=padded)
     return found
 
 
-def with_acceleration(record: MeasuredRecord, speed: np.ndarray) -> str:
+def with_acceleration(record: MeasuredRecord, speed: np.ndarray, cut_off: float) -> str:
     """The line on what the imposed speed asks for: the RMS of its differences, raw and smoothed."""
     raw, smooth = (
         float(np.sqrt(np.mean((np.diff(each) / record.period)[record.valid[1:]] ** 2)))
         for each in (record[LONGITUDINAL], speed)
     )
+    if cut_off == 0.0:
+        return f"the imposed speed is not smoothed: its acceleration is {raw:.2g} m/s2 RMS, noise included"
     return (
-        f"the imposed speed is smoothed (Butterworth, {CUT_OFF:g} Hz, forth and back): its acceleration is "
+        f"the imposed speed is smoothed (Butterworth, {cut_off:g} Hz, forth and back): its acceleration is "
         f"{smooth:.2g} m/s2 RMS, that of the raw samples {raw:.2g}"
     )

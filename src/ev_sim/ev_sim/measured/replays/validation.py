@@ -26,6 +26,7 @@ from ev_sim.measured.replays.corridors import (
 from ev_sim.measured.replays.errors import Judged, error_table, judged, spins
 from ev_sim.measured.replays.estimates import Estimate
 from ev_sim.measured.replays.open_loop import COMPARED, OpenLoop
+from ev_sim.measured.replays.plausibility import contradictions
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.recording import PAGE, SIGNALS, SUMMARY, Recording, save
 from ev_sim.report.page.writing import Page, Signals, images_of, write_page
@@ -95,7 +96,8 @@ class Validation:
     def notes(self) -> tuple[str, ...]:
         """What was masked or made of inputs, and the windows that left the record, with why."""
         record = self.replay.record
-        found = [*record.notes, *self.replay.notes, *self._not_followed()]
+        found = [*record.notes, *self.replay.notes, *contradictions(self.replay), *self._not_followed()]
+        found += [line for name, each in self.judged.items() if (line := each.is_late(name))]
         for window in np.flatnonzero(self.spun):
             used = self.friction_used[:, window].mean(axis=1)
             wheel = int(np.nanargmax(used)) if np.isfinite(used).any() else 0

@@ -1,0 +1,149 @@
+"""Noise of what is imposed or begun from, standstill, and sensors beside the centre of mass."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from measured.made_records import CAR, PERIOD, driven
+
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.measured.records.record import (
+    LATERAL,
+    LONGITUDINAL,
+    ROAD_WHEEL_ANGLE,
+    SIDESLIP,
+    YAW_RATE,
+    ColumnParameters,
+    MaskParameters,
+    MeasuredRecord,
+    Sampled,
+    measured,
+)
+from ev_sim.measured.replays.errors import spins
+from ev_sim.measured.replays.open_loop import OpenLoop, graph, windows_of
+from ev_sim.measured.replays.smoothing import smoothed
+from ev_sim.measured.replays.validation import Validation, signals_to_show
+
+IMPOSED_AND_COMPARED = (LONGITUDINAL, LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE)
+
+
+def record_of(changed: dict[str, np.ndarray] | None = None, places: dict[str, float] | None = None) -> MeasuredRecord:
+    """The made record with other values of some channels, measured so far ahead of the centre of mass [m]."""
+    run = driven()
+    values = {name: run.channels[name] for name in IMPOSED_AND_COMPARED} | (changed or {})
+    placed = {name: ColumnParameters(x=(places or {}).get(name, 0.0)) for name in values}
+    return measured("made", "", {n: (Sampled(run.time, v), placed[n]) for n, v in values.items()}, MaskParameters())
+
+
+def validated(record: MeasuredRecord) -> Validation:
+    replay = OpenLoop(record, windows_of(record, 2.0), graph(CAR, PERIOD), signals_to_show())
+    return Validation(replay, {name: values[0] for name, values in replay.simulate().items()}, 0.0)
+
+
+@pytest.mark.parametrize("kind", ["noise", "quantised", "held"])
+def test_noise_of_the_imposed_speed_is_no_force_of_the_tyres(kind):
+    """A yaw rate within 0.0006 rad/s of the true one, a seventh of what raw differences of such speeds gave it.
+
+    Noise of 0.05 m/s at 100 Hz, steps of 0.1 m/s, and a speed of 10 Hz that is held. The line on it has the
+    acceleration of the raw samples.
+    """
+    random, speed = np.random.Generator(np.random.PCG64(0)), driven().channels[LONGITUDINAL]
+    given = {
+        "noise": speed + 0.05 * random.standard_normal(len(speed)),
+        "quantised": np.round(speed / 0.1) * 0.1,
+        "held": np.repeat(speed[::10], 10)[: len(speed)],
+    }[kind]
+    found = validated(record_of({LONGITUDINAL: given}))
+    errors = found.simulated[YAW_RATE] - found.replay.windows.of(driven().channels[YAW_RATE])
+    assert np.sqrt(np.mean(errors**2)) < 6e-4
+    (line,) = [note for note in found.notes() if "imposed speed is smoothed" in note]
+    if kind == "noise":
+        assert float(line.rpartition(" ")[2]) == pytest.approx(7.1, rel=0.05)  # m/s^2, 0.05 sqrt(2)/0.01
+
+
+def test_a_window_begins_from_smoothed_values():
+    """Of noise of 0.01 rad/s and 0.05 m/s about a quarter is left where a window begins, in reverse as well."""
+    random = np.random.Generator(np.random.PCG64(0))
+    sizes = {YAW_RATE: 0.01, LATERAL: 0.05}
+    noise = {name: size * random.standard_normal(len(driven().time)) for name, size in sizes.items()}
+    for sign in (1.0, -1.0):
+        record = record_of({name: sign * driven().channels[name] + each for name, each in noise.items()})
+        for name, each in noise.items():
+            left = smoothed(record, name) - sign * driven().channels[name]
+            assert np.std(left[50:-50]) < 0.4 * np.std(each)
+
+
+def test_an_even_acceleration_passes_the_filter_unchanged():
+    """Neither a delay nor a smaller slope; at the ends, where the filter swings in, 1 mm/s. A short record stays."""
+    ramp = np.linspace(5.0, 25.0, len(driven().time))
+    record = record_of({LONGITUDINAL: ramp})
+    assert smoothed(record, LONGITUDINAL) == pytest.approx(ramp, abs=1e-3)
+    assert smoothed(record, LONGITUDINAL)[100:-100] == pytest.approx(ramp[100:-100], abs=1e-5)
+    few = Sampled(np.arange(8) * 0.01, np.ones(8))
+    short = measured("short", "", {YAW_RATE: (few, ColumnParameters())}, MaskParameters())
+    assert smoothed(short, YAW_RATE) is short[YAW_RATE]
+
+
+def test_a_car_at_rest_has_no_sideslip_and_no_window():
+    """5 s at rest with noise of 0.01 m/s: no sideslip angle there, its windows passed over and counted, no spin."""
+    random, run = np.random.Generator(np.random.PCG64(0)), driven()
+    rest = run.time < 5.0
+    values = {name: np.where(rest, 0.0, run.channels[name]) for name in IMPOSED_AND_COMPARED}
+    for name in (LONGITUDINAL, LATERAL):
+        values[name] = values[name] + 0.01 * random.standard_normal(len(rest))
+    drives_off = np.minimum(values[LONGITUDINAL], 8.0 * (run.time - 5.0))
+    values[LONGITUDINAL] = np.where(rest, values[LONGITUDINAL], drives_off)
+    record = record_of(values)
+    assert np.isnan(record[SIDESLIP][:490]).all()
+    assert np.isfinite(record[SIDESLIP][600:]).all()
+    found = validated(record)
+    assert found.replay.windows.at_rest == 2
+    assert any("2 windows in which the car stands" in note for note in found.notes())
+    assert not found.spun[1:].any()
+    standing = record_of({LONGITUDINAL: np.full(len(rest), 0.01)})
+    with pytest.raises(ParameterError, match=r"6 in which the car stands"):
+        windows_of(standing, 2.0)
+
+
+def test_no_spin_is_judged_where_no_sideslip_was_measured():
+    """An angle that is off by 90 deg where none was measured; a number that is not finite spins all the same."""
+    measured_angle = np.array([[np.nan, 0.0], [0.0, 0.0], [np.nan, 0.0]])
+    assert spins(np.array([[1.6, 0.0], [1.6, 0.0], [np.nan, 0.0]]), measured_angle).tolist() == [False, True, True]
+
+
+@pytest.mark.parametrize("mirror", [1.0, -1.0])
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_a_sideslip_sensor_is_moved_to_the_centre_of_mass_and_gives_the_lateral_velocity(mirror, direction):
+    """1.5 m ahead the velocity to the side is v + 1.5 r: forwards, in reverse, and turned to the other side."""
+    run = driven()
+    speed, lateral, rate = (run.channels[n] for n in (LONGITUDINAL, LATERAL, YAW_RATE))
+    speed, lateral, rate = direction * speed, mirror * lateral, mirror * rate
+    ahead = np.arctan((lateral + 1.5 * rate) / speed)
+    columns = {
+        LONGITUDINAL: (Sampled(run.time, speed), ColumnParameters()),
+        YAW_RATE: (Sampled(run.time, rate), ColumnParameters()),
+        SIDESLIP: (Sampled(run.time, ahead), ColumnParameters(x=1.5)),
+    }
+    record = measured("made", "", columns, MaskParameters())
+    assert record[LATERAL] == pytest.approx(lateral, abs=1e-9)
+    assert record[SIDESLIP] == pytest.approx(np.arctan(lateral / speed), abs=1e-9)
+
+
+def test_a_place_is_refused_for_a_channel_that_has_none():
+    """An angle of the steering is the same wherever it is measured; a yaw rate too, but its sensor has a place."""
+    with pytest.raises(ParameterError, match=r"road_wheel_angle: x and y are refused, expected for twist"):
+        record_of(places={ROAD_WHEEL_ANGLE: 1.0})
+    assert np.array_equal(record_of(places={YAW_RATE: 1.0})[YAW_RATE], record_of()[YAW_RATE])
+
+
+@pytest.mark.parametrize("sign", [0.0, 0.5, -0.99])
+def test_a_sign_is_one_or_minus_one(sign):
+    with pytest.raises(ParameterError, match="expected 1 or -1"):
+        ColumnParameters(sign=sign)
+
+
+@pytest.mark.parametrize("length", [0.0, -5.0, 1e-9, 0.05, np.inf, np.nan, 1e9])
+def test_a_window_that_is_no_length_is_refused(length):
+    """It is neither looked for without end nor a traceback."""
+    with pytest.raises(ParameterError, match=r"is refused, expected 0\.09 to"):
+        windows_of(record_of(), length)
