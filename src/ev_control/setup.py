@@ -31,6 +31,7 @@ setup(
     ],
     python_requires=">=3.11",
     install_requires=[f"ev_core=={VERSION}", "numpy>=1.26.4"],
+    extras_require={"test": ["pytest"]},
     zip_safe=True,
     entry_points={
         "console_scripts": NODES if IS_COLCON else [],

@@ -22,6 +22,6 @@ setup(
     ],
     python_requires=">=3.11",
     install_requires=["numpy>=1.26.4"],
-    extras_require={"can": ["cantools>=45.1"]},
+    extras_require={"can": ["cantools>=45.1"], "test": ["pytest"]},
     zip_safe=True,
 )

@@ -60,6 +60,7 @@ setup(
     ],
     python_requires=">=3.11",
     install_requires=[f"ev_sim=={VERSION}"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,  # published.csv is read as a file
     entry_points={
         "ev_stack.sources": there([f"{source} = ev_papers.{source}.source" for source in SOURCES]),

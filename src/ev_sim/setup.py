@@ -73,6 +73,7 @@ setup(
         "frame": ["pandas"],
         "gymnasium": ["gymnasium>=1.0"],
         "parquet": ["pyarrow"],
+        "test": ["pytest"],
         "tune": ["cma>=4.4"],
     },
     zip_safe=False,  # config is read as files
