@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
@@ -102,13 +104,13 @@ MANOEUVRE = Manoeuvre("s", 1.0, [], ["peak_sideslip", "peak_slip"], [], demand="
 SCALES = {"peak_sideslip": 0.01, "peak_slip": 0.01, "way": 1.0}
 
 
-def costs(way: list[float], peak_slip: float = 0.2, cost: str = "handling") -> list[float]:
+def costs(way: list[float], peak_slip: float = 0.2, cost: str = "handling", sideslip: float = 0.05) -> list[float]:
     """Of a law with half the sideslip of the reference, which goes 10 m in each draw."""
     board = replace(read_board("small"), reference="one", scales=SCALES)
     ones = np.ones(len(way))
     metrics = {
         "one": {"peak_sideslip": 0.1 * ones, "peak_slip": 0.2 * ones, "way": 10.0 * ones},
-        "law": {"peak_sideslip": 0.05 * ones, "peak_slip": peak_slip * ones, "way": np.array(way)},
+        "law": {"peak_sideslip": sideslip * ones, "peak_slip": peak_slip * ones, "way": np.array(way)},
     }
     return costs_of(board, MANOEUVRE, cost, metrics, np.zeros((2, len(way)), bool))[1].tolist()
 
@@ -117,6 +119,15 @@ def test_a_run_pays_for_what_it_misses_of_the_demand():
     """All of it or more: its own cost, 0.75; 0.8: 0.8*0.75 + 0.2*3 = 1.2; less than a half, or no number: 3."""
     assert costs([10.0, 12.0, 8.0, 4.9, np.nan]) == pytest.approx([0.75, 0.75, 1.2, LARGEST, LARGEST])
     assert costs([10.0, 8.0, 4.0], cost="energy") == pytest.approx([1.0, 1.4, LARGEST])
+
+
+@given(
+    sideslip=st.floats(0.0, 1.0), slip=st.floats(0.0, 1.0), ways=st.tuples(st.floats(-5.0, 15.0), st.floats(-5.0, 15.0))
+)
+def test_a_run_that_meets_less_never_costs_less(sideslip: float, slip: float, ways: tuple[float, float]):
+    """With the same numbers otherwise, whatever they are; it costs its own cost at least, and LARGEST at most."""
+    more, less, whole = costs([max(ways), min(ways), 10.0], slip, sideslip=sideslip)
+    assert 0.0 <= whole <= more <= less <= LARGEST
 
 
 def test_a_run_that_lacks_one_of_two_numbers_costs_most():
