@@ -34,6 +34,8 @@ IS_COLCON = not {"install", "develop"}.isdisjoint(sys.argv)
 
 # ev_sim/config is a link to the folder at the top of the repository.
 CONFIG = [str(path.relative_to("ev_sim")) for path in sorted(Path("ev_sim", "config").rglob("*")) if path.is_file()]
+if not CONFIG:
+    sys.exit("src/ev_sim alone lacks ev_sim/config, a link out of it: expected a checkout, or scripts/build_wheels.sh")
 
 setup(
     name="ev_sim",

@@ -252,3 +252,14 @@ def test_a_package_names_what_it_imports_of_ros_and_the_compiler(package):
     imported = {name for text in texts for name in re.findall(r"^ *(?:from|import) (\w+)", text, re.MULTILINE)}
     looked_for = {"numba", "launch", "launch_ros", "ament_index_python", "rclpy", "std_msgs", "sensor_msgs"}
     assert imported & looked_for <= named
+
+
+def test_a_package_without_its_config_is_not_built(tmp_path):
+    """As from an archive of its folder alone, out of which its link to config leads."""
+    alone = tmp_path / "ev_sim"
+    shutil.copytree(
+        ROOT / "src" / "ev_sim", alone, symlinks=True, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info")
+    )
+    done = subprocess.run([sys.executable, "setup.py", "--name"], cwd=alone, capture_output=True, text=True)
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+    assert done.stderr.startswith("src/ev_sim alone lacks ev_sim/config")
