@@ -24,6 +24,11 @@ _SET_BY_OTHERS = {"PYTEST_CURRENT_TEST", "PYGAME_HIDE_SUPPORT_PROMPT"}  # gymnas
 _INSTALLED = {point.value.partition(".")[0] for point in entry_points(group="ev_stack.methods")}
 _LIMITS = (resource.RLIMIT_AS, resource.RLIMIT_DATA, resource.RLIMIT_FSIZE, resource.RLIMIT_NOFILE)
 
+# A script that starts us in the background has interrupts ignored, here and in each process that a test starts and ends
+# by one.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Declare the option for the whole suite."""

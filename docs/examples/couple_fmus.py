@@ -7,6 +7,7 @@ The FMUs are those of
 """
 
 import sys
+from tempfile import TemporaryDirectory
 
 import fmpy
 import numpy as np
@@ -14,14 +15,14 @@ from fmpy.fmi2 import FMU2Slave
 
 
 class Unit:
-    """One FMU: numbers by name."""
+    """One FMU, unpacked in a folder: numbers by name."""
 
-    def __init__(self, file: str) -> None:
+    def __init__(self, file: str, folder: str) -> None:
         described = fmpy.read_model_description(file)
         self.step = float(described.defaultExperiment.stepSize)
         self.slave = FMU2Slave(
             guid=described.guid,
-            unzipDirectory=fmpy.extract(file),
+            unzipDirectory=fmpy.extract(file, folder),
             modelIdentifier=described.coSimulation.modelIdentifier,
             instanceName=described.modelName,
         )
@@ -45,9 +46,8 @@ class Unit:
         return dict(zip(self.outputs, self.slave.getReal(list(self.outputs.values())), strict=True))
 
 
-def main(car_file: str, law_file: str, seconds: str, out: str) -> None:
+def main(car: Unit, law: Unit, seconds: str, out: str) -> None:
     """The law first, then the car with its answer."""
-    car, law = Unit(car_file), Unit(law_file)
     rows = []
     for n in range(round(float(seconds) / car.step) + 1):
         time, shown = n * car.step, car.shown
@@ -62,4 +62,6 @@ def main(car_file: str, law_file: str, seconds: str, out: str) -> None:
 if __name__ == "__main__":
     if len(sys.argv) != 5:
         sys.exit(__doc__)
-    main(*sys.argv[1:])
+    car_file, law_file, *how = sys.argv[1:]
+    with TemporaryDirectory() as of_car, TemporaryDirectory() as of_law:
+        main(Unit(car_file, of_car), Unit(law_file, of_law), *how)

@@ -6,6 +6,7 @@
 """
 
 import argparse
+import logging
 import sys
 import time
 
@@ -33,6 +34,14 @@ def checksum(message, data: bytes) -> int:
     """Over the data id, low byte first, and everything behind the checksum."""
     identifier = int(message.dbc.attributes["E2EDataId"].value)
     return crc8(identifier.to_bytes(2, "little") + data[1:])
+
+
+def opened(text: str) -> can.BusABC:
+    """The bus of --bus: NAME=VALUE,... for can.Bus."""
+    # It would warn of every message that comes in two pieces, which is how streams are.
+    logging.getLogger("can.interfaces.socketcand").setLevel(logging.ERROR)
+    words = dict(word.split("=", 1) for word in text.split(","))
+    return can.Bus(**{name: int(value) if value.isdecimal() else value for name, value in words.items()})
 
 
 class Drive:
@@ -134,8 +143,7 @@ def main() -> int:
     parser.add_argument("--database", default="config/can/ev_bench.dbc")
     parser.add_argument("--bus", default=HUB, help="NAME=VALUE,... for can.Bus")
     given = parser.parse_args()
-    words = dict(word.split("=", 1) for word in given.bus.split(","))
-    with can.Bus(**{name: int(value) if value.isdecimal() else value for name, value in words.items()}) as bus:
+    with opened(given.bus) as bus:
         drive = Drive(bus, cantools.database.load_file(given.database), given.drive)
         try:
             trouble = lead(drive, given.torque, given.seconds)

@@ -11,7 +11,7 @@ from contextlib import suppress
 
 import can
 import cantools
-from ecu_script import HUB, checksum
+from ecu_script import HUB, checksum, opened
 
 DISABLED, READY, SWITCHED_ON, ENABLED, FAULT = 0x40, 0x21, 0x23, 0x27, 0x08  # statusword
 
@@ -92,10 +92,9 @@ def main() -> None:
     parser.add_argument("--timeout", type=float, default=0.01, help="s without a valid set-point: fault")
     parser.add_argument("--seconds", type=float, default=float("inf"))
     given = parser.parse_args()
-    words = dict(word.split("=", 1) for word in given.bus.split(","))
     drive = Drive(cantools.database.load_file(given.database), given.drive, given.timeout)
     start, tick = time.monotonic(), 0
-    with can.Bus(**{name: int(value) if value.isdecimal() else value for name, value in words.items()}) as bus:
+    with opened(given.bus) as bus:
         while time.monotonic() - start < given.seconds:
             while (message := bus.recv(timeout=0.0)) is not None:
                 drive.take(message)

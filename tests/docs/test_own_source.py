@@ -43,8 +43,9 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_an_installed_source_is_listed_driven_and_reported_with_its_verdicts(installed: Path, tmp_path: Path):
-    """With its law and its scenario."""
-    listed = said(program(["--list"], ["own_source", "--offline", "--out", "out"]), installed, tmp_path)
+    """With its law and its scenario; twice in a row."""
+    driven = ["own_source", "--offline", "--out", "out"]
+    listed = said(program(["--list"], driven, driven), installed, tmp_path)
     names = [line.split()[0] for line in listed.splitlines() if line.strip()]
     assert {"own_source", "outer_wheel"} <= set(names)
     metrics = json.loads((tmp_path / "out" / "summary.json").read_text())["metrics"]
@@ -53,7 +54,8 @@ def test_an_installed_source_is_listed_driven_and_reported_with_its_verdicts(ins
 
 
 def test_its_verdicts_are_those_of_its_page(installed: Path, tmp_path: Path):
-    said(program(["verdicts", "--only", "own_source", "--out", "out"]), installed, tmp_path)
+    judged = ["verdicts", "--only", "own_source", "--out", "out"]
+    said(program(judged, judged), installed, tmp_path)
     rows = re.findall(r"^\| `(own\.\w+)` \|(.*)\|$", (tmp_path / "out" / "verdicts.md").read_text(), re.MULTILINE)
     found = {id: [cell.strip() for cell in cells.split("|")] for id, cells in rows}
     page = re.findall(
