@@ -45,6 +45,9 @@ def test_values_that_differ(vary, message):
         ({"metrics": {"m": mean("yaw_rate")}}, "unknown channel 'yaw_rate'; did you mean "),
         ({"metrics": {"m": mean("imu.yaw_rate")}, "ending": Ending(lambda *_: True)}, "reductions are refused for"),
         ({"every": 0}, "every: 0 is refused, allowed is a whole number of periods, at least 1"),
+        ({"threads": 0}, "threads: 0 is refused, expected is a whole number, at least 1"),
+        ({"threads": -1}, "threads: -1 is refused, expected is a whole number, at least 1"),
+        ({"threads": 2.5}, r"threads: 2\.5 is refused, expected is a whole number, at least 1"),
         ({"initial_states": {"plant": np.zeros((2, 3))}}, "initial_states of plant have 3 numbers, allowed are "),
         ({"initial_states": {"plnt": np.zeros((2, 3))}}, "unknown role 'plnt'; did you mean plant"),
         (

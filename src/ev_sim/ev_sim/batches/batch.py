@@ -222,6 +222,8 @@ def batch(
     _refuse_channels(configurations, [*signals, *(reduction.channel for reduction in reductions.values())])
     if isinstance(every, bool) or not isinstance(every, int) or every < 1:
         raise ParameterError(f"every: {every!r} is refused, allowed is a whole number of periods, at least 1")
+    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
+        raise ParameterError(f"threads: {threads!r} is refused, expected is a whole number, at least 1")
     if ending and reductions:
         raise ParameterError("reductions are refused for runs that may end before, allowed are metrics of whole runs")
     period = next(iter(configurations.values())).period
@@ -267,7 +269,7 @@ def _driven(runs: Runs, portions: Sequence[range], threads: int) -> dict[int, st
                 except BaseException as error:  # for who waits
                     done.put((number, error))
 
-    for _ in range(threads):
+    for _ in range(min(threads, len(portions))):
         Thread(target=drive, daemon=True).start()
     try:
         found = dict(done.get() for _ in portions)
