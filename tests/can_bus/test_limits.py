@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import pytest
-from can_bus.databases import ours
+from can_bus.databases import FILE, ours
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from ev_control.inverter_gateway.can import prepare
 from ev_control.inverter_gateway.gateway import GatewayParameters, LockstepGatewayParameters
 from ev_control.inverter_gateway.station import GatewayStation
+from ev_core.bus.parameters import load_database
 from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
 from ev_msgs_py.can.frame_length import Frame
@@ -165,3 +167,39 @@ def test_a_limit_that_is_a_step_stays_what_it_is():
         there = 0.5 * steps * RPM / RPM
         assert rounded_down(field, there) == 0.5 * steps
         assert rounded_down(field, there - 1e-4) == 0.5 * (steps - 1)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "signal"),
+    [
+        ("(0.03125,0) [-1000|1000]", "(0.03125,0.02) [-1000|1000]", "Torque"),
+        ("(0.03125,0) [-1000|1000]", "(0.03125,0) [5|1000]", "Torque"),
+        ("(0.5,0) [-10000|10000]", "(0.5,0.3) [-10000|10000]", "Speed"),
+        ("(4,0) [0|1000]", "(4,2) [2|1000]", "TorqueLimit"),
+        ("Controlword : 16|8@1+ (1,0) [0|255]", "Controlword : 16|8@1+ (1,1) [1|255]", "Controlword"),
+    ],
+)
+def test_a_database_whose_set_points_cannot_take_the_torque_away_is_refused(
+    tmp_path: Path, before: str, after: str, signal: str
+):
+    """Zero between two steps would go out as the nearest one: torque beyond a limit of 0, and no reset."""
+    lines = FILE.read_text().splitlines()
+    of, changed = "", []
+    for line in lines:
+        of = line.split()[2] if line.startswith("BO_ ") else of
+        changed.append(line.replace(before, after) if of.endswith("_SetPoint:") else line)
+    assert changed != lines
+    file = tmp_path / "own.dbc"
+    file.write_text("\n".join(changed) + "\n", encoding="cp1252")
+    with pytest.raises(ParameterError, match=rf"^frame Drive11_SetPoint, signal {signal}: .* a signal that can be 0$"):
+        bench_frames(load_database(str(file)))
+
+
+def test_a_database_with_an_offset_of_whole_steps_keeps_the_limits(tmp_path: Path):
+    """100 N m are 3200 steps of 1/32 N m."""
+    file = tmp_path / "own.dbc"
+    text = FILE.read_text().replace("(0.03125,0) [-1000|1000]", "(0.03125,100) [-900|1000]")
+    file.write_text(text, encoding="cp1252")
+    layout = bench_frames(load_database(str(file))).set_point
+    assert rounded_down(layout.torque, 360.0) == 360.0
+    assert rounded_down(layout.torque, 0.0) == 0.0

@@ -8,7 +8,7 @@ from math import pi
 from typing import Any, NamedTuple
 
 from ev_msgs_py.can.database import Database, FrameLayout
-from ev_msgs_py.can.payload import BitField, protected
+from ev_msgs_py.can.payload import BitField, extracted, inserted, protected
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.refusal import ParameterError
 
@@ -190,10 +190,13 @@ class BenchFrames:
 
 
 def bench_frames(database: Database) -> BenchFrames:
-    """The frames in a database; ParameterError if one is missing, or if devices have different ones."""
+    """The frames in a database.
+
+    ParameterError if one is missing, if devices have different ones, or if a set-point cannot take the torque away.
+    """
     heartbeat = database["Ecu_Heartbeat"]
     return BenchFrames(
-        set_point=_common(database, "SetPoint", SetPointLayout),
+        set_point=_set_point(database),
         motion=_common(database, "Motion", MotionLayout),
         electrical=_common(database, "Electrical", ElectricalLayout),
         temperatures=_common(database, "Temperatures", TemperaturesLayout),
@@ -215,6 +218,18 @@ _GROUPS = {
     "stale": tuple(f"Stale{device}" for device in DEVICES),
     "enable": tuple(f"Enable{device}" for device in DEVICES),
 }
+
+
+def _set_point(database: Database) -> SetPointLayout:
+    """Each of its signals can be zero, on which no torque, limits, reverse and the reset rest: it stands on a step."""
+    layout: SetPointLayout = _common(database, "SetPoint", SetPointLayout)
+    for name, field in database[f"{DEVICES[0]}_SetPoint"].signals.items():
+        if extracted(inserted(0, field, 0.0), field) != 0.0:
+            raise ParameterError(
+                f"frame {DEVICES[0]}_SetPoint, signal {name}: scale {field.scale:g}, offset {field.offset:g} and range "
+                f"{field.low:g} to {field.high:g} are refused, expected a signal that can be 0"
+            )
+    return layout
 
 
 def _common(database: Database, kind: str, of: type) -> Any:
