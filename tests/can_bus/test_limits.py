@@ -169,6 +169,29 @@ def test_a_limit_that_is_a_step_stays_what_it_is():
         assert rounded_down(field, there - 1e-4) == 0.5 * (steps - 1)
 
 
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_back_in_speed_mode_at_the_present_speed_there_is_no_jolt(sense: float):
+    """The load machine held a speed against 200 N m, coasts in torque mode and is asked for its speed: it turns on.
+
+    Friction takes 0.2 N m and the speed 0.05 rad/s in 10 ms; what held 200 N m would give 200 N m again.
+    """
+    loop = Loop(360.0, 400.0, 785.0)
+    coasts = {"Drive11": (TORQUE_MODE, 0.0), "Load11": (TORQUE_MODE, 0.0)}
+    for commands, cycles in (
+        (coasts, 1000),  # until they are enabled
+        ({"Drive11": (TORQUE_MODE, -200.0 * sense), "Load11": (SPEED_MODE, 100.0 * sense)}, 1500),
+        (coasts, 300),
+    ):
+        for _ in range(cycles):
+            loop.cycle(commands)
+    speed = loop.s.speed
+    assert speed * sense > 50.0
+    for _ in range(100):
+        loop.cycle({"Drive11": (TORQUE_MODE, 0.0), "Load11": (SPEED_MODE, speed)})
+        assert abs(loop.s.load.torque) < 5.0
+        assert loop.s.speed == pytest.approx(speed, abs=0.3)
+
+
 @pytest.mark.parametrize(
     ("before", "after", "signal"),
     [

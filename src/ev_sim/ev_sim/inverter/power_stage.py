@@ -148,19 +148,20 @@ def follow_reference(
 def _asked(p: InverterParameters, s: Inverter, speed: float, period: float, most: float) -> float:
     """The torque [N m] that the set-point asks for, forwards positive."""
     sense = -1.0 if s.direction != 0.0 else 1.0
-    if int(s.command.mode) == frames.TORQUE_MODE:
-        asked, room = sense * s.command.torque, abs(s.command.speed) - abs(speed)
-        if asked * speed < 0.0:
-            return asked
-        # No torque that would drive the shaft beyond its speed limit.
-        return asked * min(max(room / (SPEED_FADE * p.machine.maximum_speed), 0.0), 1.0)
     if int(s.command.mode) == frames.SPEED_MODE and p.offers_speed_mode != 0.0:
         error, before = sense * s.command.speed - speed, s.speed_integral
         asked, s.speed_integral = synchronous_motor.speed_control(
             p.speed_gain, p.speed_integral_time, before, error, period, -most, most
         )
         return asked
-    return 0.0
+    s.speed_integral = 0.0  # what it held would be a jolt when speed mode comes again
+    if int(s.command.mode) != frames.TORQUE_MODE:
+        return 0.0
+    asked, room = sense * s.command.torque, abs(s.command.speed) - abs(speed)
+    if asked * speed < 0.0:
+        return asked
+    # No torque that would drive the shaft beyond its speed limit.
+    return asked * min(max(room / (SPEED_FADE * p.machine.maximum_speed), 0.0), 1.0)
 
 
 @compilable
