@@ -183,10 +183,14 @@ def test_a_mistake_is_one_line(tmp_path: Path, name: str):
             f"if fl >= 0.0: raise ValueError(fl)\n    {first_wheel('fl')}",
             f"line {LINES + 1}: asr law mine: ValueError: 0.0",
         ),
+        (
+            f"x = fl / (fl - fl); {first_wheel('x')}",
+            f"line {LINES + 1}: asr law mine: ZeroDivisionError: float division by zero; test the divisor first",
+        ),
     ],
 )
 def test_what_a_compiled_law_raises_ends_the_run_with_its_line(tmp_path: Path, text: str, said: str):
-    """Plain Python takes the step again, and has the line."""
+    """Plain Python takes the step again, and has the line; of what divides by zero as well, which is NaN compiled."""
     file = law_file(tmp_path, text)
     with pytest.raises(LawError, match=re.escape(f"at 0 s: {file}, {said}")) as raised:
         ev_sim.run("shchur2019", method={"asr": str(file)}, duration=0.1)

@@ -138,6 +138,19 @@ def test_lists_of_the_state_are_copied_not_shared(assigned, tmp_path):
         driven(file, compiled=True)
 
 
+ONCE = ("[1.0][(n := n + 1)]", "[1.0][todo.pop()]", "[1.0][taken(todo)]")
+
+
+@pytest.mark.parametrize("index", ONCE)
+def test_an_index_that_another_look_would_change_is_not_looked_at(index, tmp_path):
+    """The line has its text alone: another look would show a wrong number, or fail itself."""
+    file = tmp_path / "my_law.py"
+    step = f"n, todo = 1, [7]\n    x = {index}"
+    file.write_text(HEAD + "taken = list.pop\n" + FUNCTIONS.replace("pass  # step", step))
+    with pytest.raises(LawError, match=r"asr law mine: \[1\.0\]\[.*\] is out of range$"):
+        driven(file, compiled=False)
+
+
 RESTARTED = {"asr.faults": ["restarted torque_command from 0.1 until 0.2"]}
 
 

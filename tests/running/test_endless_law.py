@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import subprocess
 import sys
+import threading
+import weakref
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from patience import wait_until
 from running import endless_law
 
 from ev_core.compiled.interruptible import REQUESTS, interruptible
+from ev_core.lockstep.run import guarded
 
 COMMANDS = ("offline", "in one process", "as processes")
 CALLS = ("run", "simulation", "batch")
@@ -57,6 +63,29 @@ def test_a_request_to_stop_does_not_end_a_call_that_returns():
         assert interruptible(lambda: 1) == 1
     finally:
         REQUESTS.pop()
+
+
+class Memory:
+    """Of a part whose law may never end."""
+
+    is_checked = True
+
+
+def test_the_memory_of_a_call_that_is_given_up_lasts_as_long_as_the_call():
+    """It goes on in its thread, and works on that memory."""
+    memory, ends = Memory(), threading.Event()
+    kept = weakref.ref(memory)
+    REQUESTS.append(lambda: True)
+    try:
+        with suppress(KeyboardInterrupt):  # which pytest would keep, with all that stands in its frames
+            guarded([memory], ends.wait)
+        del memory
+        gc.collect()
+        assert kept() is not None
+    finally:
+        REQUESTS.pop()
+        ends.set()
+    wait_until(lambda: kept() is None)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")

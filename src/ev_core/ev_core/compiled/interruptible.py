@@ -28,27 +28,27 @@ class _Caller:
         self._asked, self.done = allocate_lock(), allocate_lock()
         self._asked.acquire()
         self.done.acquire()
-        self._call: Callable[[], Any] | None = None
+        self._given: tuple[Callable[[], Any], Any] | None = None
         self.result: Any = None
         self.error: BaseException | None = None
         # Not one that Python counts: workers may be forked off beside it, for it holds nothing between two calls.
         start_new_thread(self._make_calls, ())
 
-    def begin(self, call: Callable[[], Any]) -> None:
+    def begin(self, call: Callable[[], Any], works_on: Any) -> None:
         """Let it make a call; what that works on lasts as long as the call, also where nobody waits any more."""
-        self._call = call
+        self._given = call, works_on
         self._asked.release()
 
     def _make_calls(self) -> None:
         while True:
             self._asked.acquire()
-            call, self._call, self.error = self._call, None, None
-            assert call is not None
+            assert self._given is not None
+            (call, works_on), self._given, self.error = self._given, None, None
             try:
                 self.result = call()
             except BaseException as error:  # for who waits
                 self.error = error
-            del call
+            del call, works_on
             self.done.release()
 
 
@@ -56,15 +56,16 @@ _idle: list[_Caller] = []
 os.register_at_fork(after_in_child=_idle.clear)  # their threads are not there
 
 
-def interruptible(call: Callable[[], Any]) -> Any:
+def interruptible(call: Callable[[], Any], works_on: Any = None) -> Any:
     """What a call gives or raises; KeyboardInterrupt, or what a signal's handler raises, where a signal ends the wait.
 
-    Other threads than the main one, which get no signals, make it themselves.
+    `works_on` holds the memory whose addresses compiled code is given: a call that is given up goes on with it. Other
+    threads than the main one, which get no signals, make the call themselves.
     """
     if threading.current_thread() is not threading.main_thread():
         return call()
     caller = _idle.pop() if _idle else _Caller()
-    caller.begin(call)
+    caller.begin(call, works_on)
     try:
         _wait(caller)
     except BaseException:

@@ -150,10 +150,7 @@ def _shared(function: FunctionType, state: Any) -> Iterator[tuple[ast.stmt, str]
     for node in (each for each in ast.walk(_tree(function)) if isinstance(each, ast.Assign)):
         for target in node.targets:
             for place, value in _pairs(target, node.value):
-                whole = (
-                    value.value if isinstance(value, ast.Subscript) and isinstance(value.slice, ast.Slice) else value
-                )
-                if isinstance(_in_state(place, state), list) and isinstance(_in_state(whole, state), list):
+                if isinstance(_in_state(place, state), list) and isinstance(_in_state(_whole(value), state), list):
                     to, of = ast.unparse(place), ast.unparse(value)
                     yield node, f"{to} = {of} may make them one list, numbers are copied by {to}[:] = {of}"
 

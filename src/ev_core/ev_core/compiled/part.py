@@ -170,7 +170,7 @@ class CompiledPart:
                 plain.step(here, Frame())
         except (LawError, SignalError) as error:
             return error
-        what = "its compiled form raises an exception where plain Python raises none; run it without @compilable"
+        what = "its compiled form fails where plain Python does not; run it without @compilable"
         file, line = beginning(law_of(method).function)
         return LawError(f"{file}, line {line}: {method.role} law {named(law_of(method).function)}: {what}")
 

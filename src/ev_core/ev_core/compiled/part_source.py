@@ -7,7 +7,8 @@ A role that answers reads and writes `now`. One that integrates advances its sta
 hold, and stays so where the law raises an exception.
 
 A law that is not ours is compiled with all that it calls so that an index out of range raises an exception, which costs
-it time. Then the result is 1, and the state is that before the step: it works on a copy.
+it time. Then the result is 1, and the state is that before the step: it works on a copy. The same holds where a number
+that it writes is not finite, for which plain Python may find the line.
 
 `constants` is what an object is given once, as one row of numbers: parameters, car, prepared constants.
 
@@ -99,6 +100,15 @@ def table(row: Any, place: int) -> Any:
     """The table whose place and length stand at a place of the row."""
     begin = int(row[place])
     return row[begin : begin + int(row[place + 1])]
+
+
+@compilable
+def are_finite(numbers: Any, begin: int, end: int) -> bool:
+    """Whether all of some numbers of a frame are finite."""
+    are = True
+    for i in range(begin, end):
+        are = are and math.isfinite(numbers[i])
+    return are
 
 
 class Unpacking:
@@ -212,8 +222,11 @@ def _part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
         body = [*reading, *_writing(method.writes, call)]
     names["NAN"] = math.nan
     if checked:
-        done = ["kept[:] = numbers"] if is_copied else []
-        body = ["status = 1", "try:", *_indented([*body, *done, "status = 0"]), "except Exception:", "    pass"]
+        names["are_finite"] = are_finite
+        begin, end = frame.span(method.writes)
+        done = [*(["kept[:] = numbers"] if is_copied else []), "status = 0"]
+        body += [f"if are_finite(there, {begin}, {end}):", *_indented(done)]
+        body = ["status = 1", "try:", *_indented(body), "except Exception:", "    pass"]
     body = [f"there[{frame.PLACES[signal].start}] = NAN" for signal in method.writes] + body
     body.append("return status" if checked else "return 0")
     text = _TEXT.format(

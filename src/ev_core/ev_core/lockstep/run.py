@@ -6,6 +6,7 @@ The stack holds a piece of the run, which stays in the processor's cache; its ou
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -47,7 +48,10 @@ def call(part: Any, now: int, there: np.ndarray) -> None:
 
 def guarded(parts: Iterable[Any], drive: Callable[[], int]) -> int:
     """What `drive` returns, which drives these parts; Ctrl-C ends it where one is of a law that may never end."""
-    status: int = interruptible(drive) if any(getattr(part, "is_checked", False) for part in parts) else drive()
+    driven = [*parts]
+    if not any(getattr(part, "is_checked", False) for part in driven):
+        return drive()
+    status: int = interruptible(drive, driven)
     return status
 
 
@@ -146,8 +150,9 @@ def output_again(configuration: Configuration, series: np.ndarray) -> np.ndarray
         frames[: count + 1] = series[:, begin : end + 1].T
         if begin == 0:
             call(part, 0, frames[0])
-        if run_instants(frames, 0, count, False, row, 0, stopped) != FINISHED:
-            refuse_not_finite(frames[count], writes)
+        drive = partial(run_instants, frames, 0, count, False, row, 0, stopped)
+        if guarded((part,), drive) != FINISHED:
+            refuse_not_finite(frames[stopped[0]], writes)
             raise raised(part, frames[stopped[0] - 1].tolist())
         new = slice(int(begin > 0), count + 1)  # the first instant of a piece stands in the one before
         again[:, begin + new.start : end + 1] = frames[new].T

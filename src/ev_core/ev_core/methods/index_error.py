@@ -27,8 +27,11 @@ def index_in_words(error: IndexError) -> str:
     place = [*frame.f_code.co_positions()][trace.tb_lasti // 2]
     for node in ast.walk(parsed("".join(linecache.getlines(frame.f_code.co_filename)))):
         if isinstance(node, ast.Subscript) and place == (*_span(node),):
-            index, of = (_value(each, frame) for each in (node.slice, node.value))
-            length = len(of) if hasattr(of, "__len__") else 0
+            try:
+                index, of = (_value(each, frame) for each in (node.slice, node.value))
+                length = len(of)
+            except Exception:  # of other people's objects, or what cannot be looked at twice
+                return f"{ast.unparse(node)} is out of range"
             wanted = f"expected {-length} to {length - 1}" if length else "it is empty"
             return f"{ast.unparse(node)} is out of range: index {shown(index)}, length {length}, {wanted}"
     return ""
@@ -38,6 +41,15 @@ def _span(node: ast.expr) -> tuple[int, int | None, int, int | None]:
     return node.lineno, node.end_lineno, node.col_offset, node.end_col_offset
 
 
+# What may be called once more, for it changes nothing.
+_PURE = ("int", "float", "round", "abs", "min", "max", "len")
+
+
 def _value(node: ast.expr, frame: FrameType) -> Any:
-    """What a part of a line was in the frame in which it raised: laws are pure, so it is that again."""
+    """What a part of a line was in the frame in which it raised; ValueError if another look may change it."""
+    for each in ast.walk(node):
+        if isinstance(each, ast.NamedExpr | ast.Await | ast.Yield | ast.YieldFrom):
+            raise ValueError
+        if isinstance(each, ast.Call) and not (isinstance(each.func, ast.Name) and each.func.id in _PURE):
+            raise ValueError
     return eval(compile(ast.Expression(node), "<law>", "eval"), frame.f_globals, frame.f_locals)

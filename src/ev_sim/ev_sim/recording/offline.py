@@ -11,6 +11,7 @@ from ev_core.bus.model import SENT
 from ev_core.bus.parameters import CIRCUITS, load_database
 from ev_core.faults.row import channels_of, of_signals
 from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.law_error import LawError
 from ev_core.parameters.record import names
 from ev_core.sensors.row import imperfect
 from ev_msgs_py.can.payload import joined
@@ -104,7 +105,7 @@ def _output_again(configuration: Configuration, series: np.ndarray, struck: set[
 
     try:
         again = output_again(configuration, series)
-    except SignalError:
+    except (SignalError, LawError):
         return {}
     places = {
         name: place
