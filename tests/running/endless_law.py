@@ -1,6 +1,7 @@
 """A law that never ends, compiled, and that asks for the end of the run once it is seen to stand there.
 
-As a module it drives a run in one of the ways in which laws are driven: `python endless_law.py WAY FOLDER`.
+As a module it drives a run in one of the ways in which laws are driven: `python endless_law.py WAY FOLDER`. The signal
+goes to the process that began the run, as from a service manager; its workers are forked off, nodes are programs.
 """
 
 from __future__ import annotations
@@ -12,12 +13,15 @@ import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from types import FrameType
 
-from ev_core.law import NO_WHEELS, Wheels, WheelTorqueCommand, WheelTorqueRequest, compilable, method, parameter
+from ev_core.law import Wheels, WheelTorqueCommand, WheelTorqueRequest, compilable, entry, method, parameter
 
 TO_STOP = "TEST_PROCESS_TO_STOP"
-_WAITING = ("_wait", "_driven")  # functions in which the main thread waits for compiled code
-_LOOKS, _PAUSE = 20, 0.05  # one after the other with the same sight, and between two of them [s]
+# Functions that wait for compiled code, that make a whole run of a batch by it, and the law itself in plain Python.
+_WAITING = ("interruptible.py: _wait", "batch.py: _drive", "endless_law.py: passed_on")
+# One call of them lasts for a second: without the law's loop it takes milliseconds.
+_LOOKS, _PAUSE = 20, 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,38 +29,70 @@ class P:
     n: float = parameter(4.0, unit="1", low=0.0, high=1e6, about="where the loop begins")
 
 
+@dataclass(slots=True)
+class S:
+    steps: float = entry(unit="1", about="taken so far")
+
+
+@compilable
+def passed_on(request: WheelTorqueRequest, x: float) -> WheelTorqueCommand:
+    """What is asked for, or nothing ever."""
+    while x > 1.0:
+        x = x + 1.0 if x < 1e6 else 2.0
+    drive = request.drive
+    left = drive.front_left + x
+    return WheelTorqueCommand(Wheels(left, drive.front_right, drive.rear_left, drive.rear_right), request.brake)
+
+
 @method("asr", "forever", P)
 @compilable
 def forever(p, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """Never returns once the car has to drive."""
-    x = p.n if request.drive.front_left > 20.0 else 0.0
-    while x > 1.0:
-        x = x + 1.0 if x < 1e6 else 2.0
-    return WheelTorqueCommand(Wheels(x, 0.0, 0.0, 0.0), NO_WHEELS)
+    return passed_on(request, p.n if request.drive.front_left > 20.0 else 0.0)
 
 
-def _stand_waiting() -> bool:
-    frame = sys._current_frames().get(threading.main_thread().ident or 0)
-    while frame is not None:
-        if frame.f_code.co_name in _WAITING:
-            return True
-        frame = frame.f_back
-    return False
+@method("asr", "late", P, state=S)
+@compilable
+def late(p, s, request: WheelTorqueRequest) -> WheelTorqueCommand:
+    """Keeps the contract for as long as that is checked, and the time of a study is estimated."""
+    s.steps = s.steps + 1.0
+    is_driven = request.drive.front_left + request.drive.rear_left > 20.0
+    return passed_on(request, p.n if s.steps > 400.0 and is_driven else 0.0)
+
+
+def _calls() -> set[FrameType]:
+    """The calls of _WAITING that are under way, in all threads."""
+    found = set()
+    for last in sys._current_frames().values():
+        frame: FrameType | None = last
+        while frame is not None:
+            if f"{Path(frame.f_code.co_filename).name}: {frame.f_code.co_name}" in _WAITING:
+                found.add(frame)
+            frame = frame.f_back
+    return found
 
 
 def _watch(kind: int) -> None:
-    seen = 0
-    while seen < _LOOKS:
-        seen = seen + 1 if _stand_waiting() else 0
+    looks, standing = 0, _calls()
+    while looks < _LOOKS:
         time.sleep(_PAUSE)
+        standing &= _calls()
+        looks = looks + 1 if standing else 0
+        standing = standing or _calls()
     os.kill(int(os.environ[TO_STOP]), kind)
 
 
 def watch() -> None:
     """Watch this process, and send the signal to the one that began the run."""
     os.environ.setdefault(TO_STOP, str(os.getpid()))
-    # Not a thread that Python counts: workers are forked off as in any run.
-    threading._start_new_thread(_watch, (int(os.environ.get("TEST_SIGNAL", signal.SIGINT)),))
+    kind = int(os.environ.get("TEST_SIGNAL", signal.SIGINT))
+
+    def begin() -> None:
+        # Not a thread that Python counts: workers are forked off as in any run.
+        threading._start_new_thread(_watch, (kind,))
+
+    begin()
+    os.register_at_fork(after_in_child=begin)
 
 
 def _by_command(*words: str) -> None:
@@ -69,7 +105,7 @@ def _by_command(*words: str) -> None:
 def _in_python(text: str) -> None:
     import ev_sim
 
-    law = {"asr": __file__}
+    law = {"asr": f"{__file__}:forever"}
     if text == "run":
         ev_sim.run("shchur2019", method=law, duration=1.0)
     elif text == "simulation":
@@ -82,11 +118,24 @@ def _in_python(text: str) -> None:
 
 if __name__ == "__main__":
     way, folder = sys.argv[1], Path(sys.argv[2])
-    options = ("shchur2019", "--method", f"asr={__file__}", "--duration", "1", "--out", str(folder / "out"))
+    first, second, out = f"{__file__}:forever", f"{__file__}:late", ("--out", str(folder / "out"))
+    options = ("shchur2019", "--method", f"asr={first}", "--duration", "1", *out)
+    # The time of a study is estimated by the first second of its first run.
+    sweep = ("sweep", "shchur2019", "--workers", "2", "--vary", "asr.n=3,4", "--duration", "4", *out)
+    compare = ("compare", "--scenario", "shchur2019", "--methods", "power_steering,steer_by_wire", *out)
+    board = ("--cells", "*launch:*", "--draws", "2", *out)
+    benchmark = ("benchmark", "small", "--laws", "equal_torque", *board)
     ways = {
         "offline": lambda: _by_command(*options, "--offline"),
         "in one process": lambda: _by_command(*options, "--in-process"),
         "as processes": lambda: _by_command(*options),
+        "sweep, its estimate": lambda: _by_command(*sweep, "--method", f"asr={first}"),
+        "sweep, its workers": lambda: _by_command(*sweep, "--method", f"asr={second}"),
+        "compare": lambda: _by_command(*compare, "--method", f"asr={first}"),
+        "benchmark, the contract": lambda: _by_command(*benchmark, "--add", first),
+        "benchmark, its workers": lambda: _by_command(*benchmark, "--add", second),
+        "tune, the contract": lambda: _by_command("tune", first, "--budget", "2", *board),
+        "tune, its batches": lambda: _by_command("tune", second, "--budget", "2", *board),
     }
     os.environ[TO_STOP] = str(os.getpid())
     ways.get(way, lambda: _in_python(way))()

@@ -20,14 +20,19 @@ from ev_core.compiled.interruptible import REQUESTS, interruptible
 from ev_core.lockstep.run import guarded
 
 COMMANDS = ("offline", "in one process", "as processes")
+BY_WORKERS = ("sweep, its workers", "benchmark, its workers", "tune, its batches")
+BEFORE_THEM = ("sweep, its estimate", "compare", "benchmark, the contract", "tune, the contract")
 CALLS = ("run", "simulation", "batch")
 
 
 def ended(way: str, folder: Path, kind: signal.Signals) -> subprocess.CompletedProcess[str]:
-    """What comes of a run that is asked to stop once its law stands in its loop."""
+    """What comes of a run that is asked to stop once its law stands in its loop.
+
+    The law has no end, so nothing but the signal can end the run: how long that takes is no part of the test.
+    """
     words = [sys.executable, endless_law.__file__, way, str(folder)]
     environment = {**os.environ, "TEST_SIGNAL": str(int(kind))}
-    return subprocess.run(words, capture_output=True, text=True, env=environment, timeout=120)
+    return subprocess.run(words, capture_output=True, text=True, env=environment, timeout=900)
 
 
 @pytest.mark.slow
@@ -35,8 +40,27 @@ def ended(way: str, folder: Path, kind: signal.Signals) -> subprocess.CompletedP
 @pytest.mark.parametrize("way", COMMANDS)
 def test_a_command_ends_with_one_line(way: str, kind: signal.Signals, tmp_path: Path):
     """It does not hang, which the limit of the process shows."""
-    done = ended(way, tmp_path, kind)
-    assert (done.returncode, done.stderr.splitlines()[-1]) == (130, "stopped")
+    assert_stopped(ended(way, tmp_path, kind))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("way", BY_WORKERS)
+def test_many_runs_end_with_one_line(way: str, kind: signal.Signals, tmp_path: Path):
+    """The workers stand in the law, and end with the command: else its output would not end."""
+    assert_stopped(ended(way, tmp_path, kind))
+
+
+@pytest.mark.weekly
+@pytest.mark.parametrize("way", BEFORE_THEM)
+def test_what_comes_before_many_runs_ends_with_one_line(way: str, tmp_path: Path):
+    """The time of a study is estimated by its first run, and what is added to a board is held against the contract."""
+    assert_stopped(ended(way, tmp_path, signal.SIGINT))
+
+
+def assert_stopped(done: subprocess.CompletedProcess[str]) -> None:
+    """It has ended as shells expect it of a command that was stopped."""
+    assert (done.returncode, done.stderr.splitlines()[-1]) == (130, "stopped"), done.stderr
     assert "Traceback" not in done.stderr
 
 
