@@ -152,6 +152,17 @@ def test_an_own_course_is_lapped_as_documented_even_where_it_crosses_itself(tmp_
     assert abs(channels["twist.longitudinal"][-1]) < 1e-3
 
 
+def test_a_part_of_a_lap_that_begins_at_the_crossing_is_on_its_own_part_of_the_course(tmp_path):
+    """A board looks at parts of a run, which begin anywhere: none of a lap that stays on the course leaves it."""
+    run = driven(driver__course__file=eight(tmp_path), driver__limit__scale=0.6)
+    far = np.hypot(run.signals.channels["pose.x"], run.signals.channels["pose.y"])
+    near = np.flatnonzero(far < 6.0)[::10]
+    assert len(near) > 10
+    for begin in near.tolist():
+        part = run.signals.part(begin)
+        assert leaves(part, run.vehicle, run.course) is None, run.signals.time[begin]
+
+
 def test_a_start_that_is_given_stays(tmp_path):
     run = driven(0.1, plant__initial_x=-10.0, plant__initial_y=-1.0, plant__initial_heading=0.0)
     assert run.signals.channels["pose.x"][0] == -10.0

@@ -14,6 +14,7 @@ from ev_sim.measures import motion
 from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.recording.recording import Recording
 
+_ALIGNED = 0.7  # cosine of 45 deg, between the car and its part of a course: one across at right angles is farther off
 _JUMP = 10.0  # [m] along the course between two samples: the nearest point is on another part of it, as at a crossing
 
 
@@ -84,9 +85,9 @@ def _progress(line: RacingLine, place: np.ndarray, heading: np.ndarray) -> np.nd
     nearest = _tree(line.points.tobytes()).query(place)[1]
     at = nearest.copy()
     ways = np.roll(line.points, -1, axis=0) - line.points
-    # At the start any part may be near: the one that leads where the car points.
+    # At the start, which is anywhere in a part of a run, any part may be near: the one that leads where the car points.
     far = np.hypot(*(line.points - place[0]).T)
-    ahead = ways @ np.array((np.cos(heading[0]), np.sin(heading[0]))) > 0.0
+    ahead = ways @ np.array((np.cos(heading[0]), np.sin(heading[0]))) > _ALIGNED * np.hypot(*ways.T)
     near_by = far < far.min() + max(line.left.max(), line.right.max())
     if (candidates := np.flatnonzero(near_by & ahead)).size:
         at[0] = candidates[far[candidates].argmin()]
