@@ -280,6 +280,29 @@ def test_bad_input_is_one_line_and_status_1(words, named):
     assert named in said
 
 
+@pytest.mark.parametrize("text", ["/ev/NODE: {ros__parameters: {}}", "ev: {NODE: {ros__parameters: {}}}"])
+@pytest.mark.parametrize("node", ["driver", "recorder"])
+def test_a_parameter_file_for_the_node_in_another_namespace_is_refused(tmp_path, node, text):
+    """ROS silently takes the defaults, and a car drives on for longer than its file has it."""
+    file = tmp_path / "other.yaml"
+    file.write_text(text.replace("NODE", node))
+    process = start([*command(node), "--ros-args", "-r", "__ns:=/car1", "--params-file", str(file)])
+    said, _ = process.communicate(timeout=PATIENCE)
+    expected = f"{node}: {file}: /ev/{node} is not this node, expected /car1/{node} or /**/{node}\n"
+    assert (process.returncode, said) == (1, expected)
+
+
+def test_files_of_parameters_for_others_and_for_all_namespaces_are_taken(tmp_path):
+    """The mistake behind them is the only line: that of the last file, which is read."""
+    files = ["/ev/plant: {ros__parameters: {duration: 2.0}}", "/**/driver: {ros__parameters: {control_period: -1.0}}"]
+    words = ["--ros-args", "-r", "__ns:=/car1"]
+    for number, text in enumerate(files):
+        (tmp_path / f"{number}.yaml").write_text(text)
+        words += ["--params-file", str(tmp_path / f"{number}.yaml")]
+    said, _ = start([*command("driver"), *words]).communicate(timeout=PATIENCE)
+    assert said.startswith("driver: parameter control_period: -1.0 is refused")
+
+
 def test_a_recorder_without_a_place_to_write_says_so(tmp_path):
     (tmp_path / "file").touch()
     process = start([*command("recorder"), "--ros-args", "-p", f"directory:={tmp_path / 'file'}"])

@@ -72,7 +72,7 @@ def test_launch_starts_every_node_with_the_parameters_of_the_runner(launch_file,
     assert ends == {"recorder"}  # it is the last one that has something to do
     ((file,),) = {tuple(node["parameters"]) for node in nodes}
     content = yaml.safe_load(Path(file).read_text())
-    assert content == {f"/ev/{name}": {"ros__parameters": values} for name, values in told.items()}
+    assert content == {f"/**/{name}": {"ros__parameters": values} for name, values in told.items()}
     assert visualization["condition"] is rviz["condition"] is not None
     assert Path(rviz["arguments"][1]).name == "car.rviz" and Path(rviz["arguments"][1]).exists()
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import yaml
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -18,6 +19,7 @@ from ev_core.lockstep.finding import is_code
 from ev_core.methods.register import OF_ROS
 from ev_core.parameters.data_file import TextOfFile
 from ev_core.parameters.declaration import Entry
+from ev_core.parameters.section import matches
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
 
 _KINDS = {float: "DOUBLE", int: "INTEGER", bool: "BOOL", str: "STRING"}
@@ -27,13 +29,41 @@ _TYPES = {
     for is_array in (False, True)
 }
 _NO_LIMIT = {float: 1e300, int: 2**62}
+_SECTION = "ros__parameters"  # of a node in a parameter file
 _METHOD, _LOG, _ADDRESS = "method", "bus.log", "bus.address"
 
 
 def overrides(node: Node) -> dict[str, Any]:
-    """The values of command line and parameter files for a node that declares its overrides by itself."""
+    """The values of command line and parameter files for a node that declares its overrides by itself.
+
+    ParameterError if a file of the command line means a node of this name, but none in this namespace.
+    """
+    _refuse_file_of_another_namespace(node)
     given: Mapping[str, Any] = node.get_parameters_by_prefix("")
     return {name: value.value for name, value in given.items() if not is_ros_own(name)}
+
+
+def _refuse_file_of_another_namespace(node: Node) -> None:
+    """ROS silently leaves a node its defaults then; a file without any section of its name may be that of others."""
+    name, full = node.get_name(), node.get_fully_qualified_name()
+    for flag, file in pairwise(sys.argv):
+        if flag != "--params-file":
+            continue
+        sections = list(_sections(yaml.safe_load(Path(file).read_text())))
+        named = [section for section in sections if section.rpartition("/")[2] == name]
+        if named and not any(matches(section, full) for section in sections):
+            raise ParameterError(f"{file}: {', '.join(named)} is not this node, expected {full} or /**/{name}")
+
+
+def _sections(content: Any, space: str = "") -> Iterator[str]:
+    """The names of the sections; ROS lets a namespace stand as a group of its nodes."""
+    if not isinstance(content, dict):
+        return
+    if _SECTION in content:
+        yield space
+    for name, below in content.items():
+        if name != _SECTION:
+            yield from _sections(below, f"{space}/{str(name).strip('/')}")
 
 
 def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import json
 import re
 from argparse import Namespace
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from ev_core.methods.register import CommonParameters, methods_of
 from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.data_file import config_folders
 from ev_core.parameters.declaration import Entry, Spec, entries
+from ev_core.parameters.section import ANY_NAMESPACE
 from ev_core.parameters.values import units_for
 from ev_core.sensors.row import sensors_for
 from ev_msgs_py.contract.roles import MASTER, ROLES
@@ -76,7 +78,7 @@ def write_parameters(argv: list[str]) -> None:
         with OutputFolder(given.out, "parameters", runs=(run,)) as folder:
             nodes = node_parameters(run, folder.directory, bag=not given.no_record)
             file = folder.directory / PARAMETERS
-            write_parameter_file(file, run, nodes)
+            write_parameter_file(file, replace(run, namespace=ANY_NAMESPACE), nodes)
             folder.hand_over()
         started = [{"package": package_of(name), "executable": name} for name in nodes]
     except (ParameterError, RunFailed, LookupError, OSError) as error:

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from ev_core.parameters.data_file import MEGABYTE, SIGNALS, TEXT, RecordingError, open_data
+from ev_core.parameters.section import ANY_NAMESPACE
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS, Topic
@@ -293,6 +294,6 @@ def _of_signals(file: Path, given: ParameterFile | None) -> Recorded:
         raise ParameterError(f"{file}: its instants are not those of a control period from time zero on")
     topics = [TOPICS[signal] for signal in RECORDED if set(TOPICS[signal].channels) <= set(recording.channels)]
     there = np.ones(len(steps), bool)
-    sections = list(given.sections) if given else []
+    sections = [section for section in (given.sections if given else ()) if not section.startswith(ANY_NAMESPACE)]
     namespace = sections[0].rpartition("/")[0] if sections else NAMESPACE  # that of the nodes with parameters
     return Recorded(file, namespace, period, recording, dict.fromkeys(topics, there), parameters=given)

@@ -12,6 +12,7 @@ from typing import Any
 import yaml
 
 from ev_core.parameters.data_file import TEXT, TextOfFile, read_data
+from ev_core.parameters.section import matches
 from ev_msgs_py.refusal import ParameterError
 
 _DEEPEST = 100  # brackets in brackets: the parser in C would overflow its stack
@@ -131,13 +132,6 @@ class ParameterFile:
             if matches(pattern, node) and not (by_name and pattern.endswith("*")):
                 values.update(section)
         return values
-
-
-def matches(pattern: str, node: str) -> bool:
-    """Whether a section name (`/**` any namespaces, `*` one token) means a node of this full name."""
-    expression = re.escape(pattern if pattern.startswith("/") else f"/{pattern}")
-    expression = expression.replace(r"/\*\*", r"(/\w+)*").replace(r"\*", r"\w+")
-    return re.fullmatch(expression, node) is not None
 
 
 _ARE_FILES = re.compile(r"(.*\.)?(\w+_)?(file|database|vehicle|method)")  # parameters that may name a file

@@ -12,6 +12,7 @@ from ev_core.lockstep.graph import check_graph
 from ev_core.methods.law_error import LawError
 from ev_core.nodes.master.real_time import LONGEST, MasterParameters
 from ev_core.parameters.data_file import files_in_config
+from ev_core.parameters.section import matches
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
 from ev_sim.measures.course import NO_COURSE, Course
@@ -29,7 +30,7 @@ from ev_sim.scenarios.about import (
 )
 from ev_sim.scenarios.lap_start import lap_start
 from ev_sim.scenarios.notes import notes_on
-from ev_sim.scenarios.parameter_file import ParameterFile, matches
+from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
 
 _DRIVER = "driver"

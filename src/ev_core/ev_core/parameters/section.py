@@ -1,0 +1,14 @@
+"""Sections of ROS parameter files: which node the name of one means."""
+
+from __future__ import annotations
+
+import re
+
+ANY_NAMESPACE = "/**"
+
+
+def matches(pattern: str, node: str) -> bool:
+    """Whether a section name (`/**` any namespaces, `*` one token) means a node of this full name."""
+    expression = re.escape(pattern if pattern.startswith("/") else f"/{pattern}")
+    expression = expression.replace(r"/\*\*", r"(/\w+)*").replace(r"\*", r"\w+")
+    return re.fullmatch(expression, node) is not None
