@@ -2,17 +2,21 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from ros_graph import NAMESPACE, NODES, WAYS, Graph, graph, offline_hash, publisher, recorded_hash, shchur
 
 from ev_core.lockstep.finding import find_method
+from ev_core.nodes.signal_io import QUALITY
 from ev_core.sensors.row import QUANTITIES
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
+from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.wire import format_of
+from ev_msgs_py.wire import format_of, message_class
 from ev_sim.recording.recording import load
 from ev_sim.running.offline import RECORDER
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
@@ -131,6 +135,49 @@ def test_the_master_says_that_it_waits_for_the_recorder(tmp_path, capfd):
         said = Said(capfd)
         nodes.run(lambda: "waiting for the recorder at 0.0 s" in said.until_now())
         assert nodes.time == 0.0
+
+
+def the_rest_of(nodes: Graph, quality: Any) -> tuple[Node, Any]:
+    """A traction control of one's own in a graph that has none, with the publisher of its command, if it has one."""
+    own = Node("asr", context=nodes.context, namespace=NAMESPACE)
+    topic = TOPICS[WheelTorqueCommand]
+    return own, quality and own.create_publisher(message_class(topic.message_type), topic.name, quality)
+
+
+@pytest.mark.parametrize(
+    ("quality", "why"),
+    [
+        (None, "asr has no publisher of torque_command"),
+        (QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT), "expected reliable"),
+        (QoSProfile(depth=1), "all nodes are in the graph, one does not answer"),
+    ],
+    ids=["no publisher", "best effort", "silent"],
+)
+def test_the_master_says_why_nothing_comes_of_a_node_that_is_there(quality, why, tmp_path, capfd):
+    run = shchur(0.5, plant__answer_timeout=0.2)
+    with graph(run, tmp_path, names=[name for name in NODES if name != "asr"]) as nodes:
+        own, _ = the_rest_of(nodes, quality)
+        said = Said(capfd)
+        nodes.run(lambda: f"{why}\n" in said.until_now())
+        own.destroy_node()
+    assert "WheelTorqueCommand of asr at 0.0 s" in said.text
+
+
+def test_the_master_reports_a_command_whose_stamp_is_the_time_of_day(tmp_path):
+    """The commonest mistake in a node of one's own."""
+    run = shchur(0.5)
+    with graph(run, tmp_path, names=[name for name in NODES if name != "asr"]) as nodes:
+        own, mouth = the_rest_of(nodes, QUALITY)
+        late = format_of(WheelTorqueCommand).pack(1_790_000_000_123_456_789, Frame())
+
+        def reported() -> bool:
+            mouth.handle.publish_raw(late)
+            return bool(nodes.probe.reports)
+
+        nodes.run(reported)
+        own.destroy_node()
+    expected = "/ev/plant: torque_command at 1790000000.1234567 s ignored (reported once): 0.0 s is due"
+    assert nodes.probe.reports[0].startswith(expected)
 
 
 def test_a_restarted_master_begins_the_run_anew(tmp_path):

@@ -42,7 +42,7 @@ class Reception:
             if arrival is not new:
                 self.arrivals[arrival] += 1
                 if arrival is Arrival.GAP:  # which cannot belong to the run
-                    self._report_gap(topic, stamp)
+                    self.report_gap(topic, stamp)
             for answer in stepper.answers_to(kind, stamp, arrival):
                 publish(answer)
                 if fresh:
@@ -85,7 +85,8 @@ class Reception:
         self.refused += 1
         self._reports.note(topic.name, f"{topic.name}{_when(message)} ignored: {error}")
 
-    def _report_gap(self, topic: Topic, stamp: int) -> None:
+    def report_gap(self, topic: Topic, stamp: int) -> None:
+        """Report the first message of a topic whose stamp cannot belong to the run."""
         last = self._stepper.inbox.last
         if last is None or topic in self._gaps:
             return

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
 from rclpy.node import Node
+from rclpy.qos import ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
 from ev_core.lockstep.inbox import Arrival
@@ -26,7 +27,7 @@ from ev_core.nodes.signal_io import QUALITY
 from ev_core.nodes.stepped_node import SteppedNode
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES, REQUIRED, ROLES
-from ev_msgs_py.contract.topics import Topic
+from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire import stamp_alone
 
 
@@ -54,12 +55,24 @@ class Silence:
         there = {name for name, where in self._node.get_node_names_and_namespaces() if where == space}
         wanted = {*REQUIRED, *(WRITERS[kind] for kind in missing)}
         gone = [role for role in ROLES if role in wanted and role not in there]
-        where = f"not in the graph: {', '.join(gone)}" if gone else "all nodes are in the graph, one does not answer"
+        reasons = [f"not in the graph: {', '.join(gone)}"] if gone else [*self._reasons(missing)]
+        where = "; ".join(reasons or ["all nodes are in the graph, one does not answer"])
         if (where, missing) != self._reported:
             self._reported = where, missing
             waits = ", ".join([f"{kind.__name__} of {WRITERS[kind]}" for kind in missing] or ["the recorder"])
             at = stamps.to_seconds(now)
             self._node.get_logger().error(f"waiting for {waits} at {at} s for {wall - self._since:.1f} s; {where}")
+
+    def _reasons(self, missing: tuple[type, ...]) -> Iterator[str]:
+        """Why nothing of a node that is there can be taken, as far as the graph knows."""
+        for kind in missing:
+            topic, role = TOPICS[kind].name, WRITERS[kind]
+            ends = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(topic))
+            own = [end for end in ends if end.node_name == role]
+            if not own:
+                yield f"{role} has no publisher of {topic}"
+            elif any(end.qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT for end in own):
+                yield f"{role} publishes {topic} as best effort, expected reliable"
 
 
 _CLOCK = SimpleNamespace(template=stamp_alone(0), mask=b"", runs=(), code="d")  # messages without numbers
@@ -102,7 +115,7 @@ class MasterNode(SteppedNode):
         """What takes an input of the next step or, in real time, the newest; or notes how far the recorder is."""
         kind, read, go_on = topic.signal, self.reception.reader(topic), self._go_on
         offer, arrivals = self.stepper.inbox.offer, self.reception.arrivals
-        note, hold = self.schedule.note_recorded, self.schedule.hold
+        note, hold, report_gap = self.schedule.note_recorded, self.schedule.hold, self.reception.report_gap
 
         def take(message: bytes) -> None:
             readable = read(message)
@@ -112,6 +125,8 @@ class MasterNode(SteppedNode):
                     go_on()
                 else:
                     arrivals[arrival] += 1
+                    if arrival is Arrival.GAP:
+                        report_gap(topic, readable[0])
 
         def take_newest(message: bytes) -> None:
             readable = read(message)
