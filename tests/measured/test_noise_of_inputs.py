@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from measured.made_records import CAR, PERIOD, driven
 
 from ev_msgs_py.refusal import ParameterError
@@ -21,7 +23,7 @@ from ev_sim.measured.records.record import (
 )
 from ev_sim.measured.replays.errors import spins
 from ev_sim.measured.replays.open_loop import OpenLoop, graph, windows_of
-from ev_sim.measured.replays.smoothing import smoothed
+from ev_sim.measured.replays.smoothing import LEFT, LOWEST, SMOOTHED, cut_off_of, noise_of, smoothed
 from ev_sim.measured.replays.validation import Validation, signals_to_show
 
 IMPOSED_AND_COMPARED = (LONGITUDINAL, LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE)
@@ -77,11 +79,52 @@ def test_an_even_acceleration_passes_the_filter_unchanged():
     """Neither a delay nor a smaller slope; at the ends, where the filter swings in, 1 mm/s. A short record stays."""
     ramp = np.linspace(5.0, 25.0, len(driven().time))
     record = record_of({LONGITUDINAL: ramp})
-    assert smoothed(record, LONGITUDINAL) == pytest.approx(ramp, abs=1e-3)
-    assert smoothed(record, LONGITUDINAL)[100:-100] == pytest.approx(ramp[100:-100], abs=1e-5)
+    assert smoothed(record, LONGITUDINAL, 3.0) == pytest.approx(ramp, abs=1e-3)
+    assert smoothed(record, LONGITUDINAL, 3.0)[100:-100] == pytest.approx(ramp[100:-100], abs=1e-5)
     few = Sampled(np.arange(8) * 0.01, np.ones(8))
     short = measured("short", "", {YAW_RATE: (few, ColumnParameters())}, MaskParameters())
-    assert smoothed(short, YAW_RATE) is short[YAW_RATE]
+    assert smoothed(short, YAW_RATE, 3.0) is short[YAW_RATE]
+
+
+def test_a_record_without_noise_stays_as_it_is():
+    """Bit by bit, and so does the car that is replayed: no rounding of pedals and bends; the line says so."""
+    record = record_of()
+    for name in SMOOTHED:
+        assert smoothed(record, name) is record[name]
+    assert any("imposed speed is not smoothed" in note for note in validated(record).notes())
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 1000), noise=st.floats(0.003, 0.2), rate=st.sampled_from([20, 50, 100, 200]))
+def test_the_noise_that_is_left_makes_a_hundredth_of_what_a_car_does(seed, noise, rate):
+    """White noise of any size on a car that brakes and drives off with up to 5 m/s^2, sampled at 20 to 200 Hz.
+
+    Of 0.1 m/s^2 a tenth more for its chance, unless the lowest cut-off was needed. Less noise has a higher cut-off.
+    """
+    time = np.arange(0.0, 60.0, 1.0 / rate)
+    true = 20.0 + 10.0 * np.sin(0.5 * time)
+    random = np.random.Generator(np.random.PCG64(seed))
+    values = true + noise * random.standard_normal(len(time))
+    record = measured("made", "", {LONGITUDINAL: (Sampled(time, values), ColumnParameters())}, MaskParameters())
+    assert noise_of(record, LONGITUDINAL) == pytest.approx(noise, rel=0.15)
+    cut_off = cut_off_of(record, LONGITUDINAL)
+    left = np.diff(smoothed(record, LONGITUDINAL) - true)[rate:-rate] * rate
+    if cut_off != LOWEST:
+        assert np.std(left) < 1.35 * LEFT[LONGITUDINAL]
+    assert cut_off >= LOWEST or cut_off == 0.0
+
+
+@pytest.mark.parametrize("rate", [10, 20, 50])
+def test_noise_of_a_slow_sensor_is_seen_between_its_own_samples(rate):
+    """A speed of 10 to 50 Hz beside a yaw rate of 100 Hz: straight lines between its samples hide no noise."""
+    run = driven()
+    random, slow = np.random.Generator(np.random.PCG64(0)), run.time[:: 100 // rate]
+    values = np.interp(slow, run.time, run.channels[LONGITUDINAL]) + 0.05 * random.standard_normal(len(slow))
+    columns = {LONGITUDINAL: (Sampled(slow, values), ColumnParameters())}
+    columns |= {n: (Sampled(run.time, run.channels[n]), ColumnParameters()) for n in (YAW_RATE, ROAD_WHEEL_ANGLE)}
+    record = measured("made", "", columns, MaskParameters())
+    assert noise_of(record, LONGITUDINAL) == pytest.approx(0.05, rel=0.3)  # of 120 samples or more
+    assert LOWEST <= cut_off_of(record, LONGITUDINAL) < 3.0
 
 
 def test_a_car_at_rest_has_no_sideslip_and_no_window():

@@ -41,7 +41,6 @@ from ev_sim.measured.replays.corridors import CORRIDOR, corridor_parameters
 from ev_sim.measured.replays.estimates import estimates_of
 from ev_sim.measured.replays.open_loop import IMPOSED, ROLES_OF_REPLAY, OpenLoop, Windows, graph, windows_of
 from ev_sim.measured.replays.plausibility import contradictions
-from ev_sim.measured.replays.smoothing import CUT_OFF
 from ev_sim.measured.replays.validation import FILES, Validation, signals_to_show
 from ev_sim.measured.rig import read_rig
 from ev_sim.measured.tyre_fit import fit_tyre
@@ -222,8 +221,8 @@ def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
     parser.add_argument(
         "--impose", choices=IMPOSED, default="speed", help="what drives the car besides the measured angle"
     )
-    about = f"[Hz] of the speed and what windows begin from, 0 for none; default {CUT_OFF:g}"
-    parser.add_argument("--smooth", type=_cut_off, default=CUT_OFF, metavar="HZ", help=about)
+    about = "[Hz] of the speed and what windows begin from, 0 for none; default by the noise of the record"
+    parser.add_argument("--smooth", type=_cut_off, metavar="HZ", help=about)
     parser.add_argument("--window", type=float, default=5.0, metavar="S", help="length of a window; default 5 s")
     parser.add_argument(
         "--part", type=_part, default=(0.0, 1.0), metavar="A:B", help="shares of the record; default 0:1"

@@ -67,8 +67,9 @@ def search_key(replay: OpenLoop, *choices: object) -> str:
         role: (each.method.name, text_of_method(each.method), each.values())
         for role, each in replay.configurations.items()
     }
-    given = (digest_of_sources(), roles, replay.is_imposed, replay.cut_off, replay.record.noise, choices)
+    record = replay.record
+    given = (digest_of_sources(), roles, replay.is_imposed, replay.cut_off, record.noise, record.spacing, choices)
     content = hashlib.sha256(repr(given).encode())
-    for values in (replay.windows.first, *(values for _, values in sorted(replay.record.channels.items()))):
+    for values in (replay.windows.first, *(values for _, values in sorted(record.channels.items()))):
         content.update(np.ascontiguousarray(values).tobytes())
     return content.hexdigest()

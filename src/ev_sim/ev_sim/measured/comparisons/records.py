@@ -26,7 +26,6 @@ from ev_sim.study.workers import drive_cases
 
 TRAINING, HELD_OUT = (0.0, 2.0 / 3.0), (2.0 / 3.0, 1.0)
 WINDOW = 5.0  # s
-AS_FITTED = 0.0  # [Hz]; the car was identified with the samples of the speed as they are, and goes with them
 SHIFTS = (0.0, 1.0, 2.0, 3.0, 4.0)  # [s] by which windows begin later: with all of them, at each second
 
 
@@ -38,17 +37,17 @@ def track_record(folder: Path) -> dict[str, float]:
     record = read_record(folder / "ferrari_250lm_1.csv.xz", car / "record.yaml")
     beside = Overrides(files=[str(car / "identified_parameters.yaml")])
     configurations = graph(str(car / "identified.yaml"), record.period, beside)
-    first, last = (
-        [_driven(record, configurations, begin + shift / (len(record.valid) * record.period), end) for shift in SHIFTS]
-        for begin, end in (TRAINING, HELD_OUT)
-    )
+    duration, (begin, end) = len(record.valid) * record.period, HELD_OUT
+    first = _driven(record, configurations, *TRAINING)
+    last = [_driven(record, configurations, begin + shift / duration, end) for shift in SHIFTS]
     found = {"track_windows_left": float(last[0].spun.sum())}
     found["track_windows_left_each_second"] = float(sum(each.spun.sum() for each in last))
-    for name, signal, unit in (("yaw_rate", YAW_RATE, 1.0), ("sideslip", SIDESLIP, np.pi / 180.0)):
-        before, after = ([each.judged[signal].of_windows for each in part] for part in (first, last))
-        found[f"track_{name}"] = first[0].judged[signal].errors.rms / unit
-        found[f"track_{name}_held_out"] = float(np.median(after[0]) / np.median(before[0]))
-        found[f"track_{name}_each_second"] = float(np.median(after) / np.median(before))
+    yaw, angle = ([part.judged[signal] for part in (first, last[0])] for signal in (YAW_RATE, SIDESLIP))
+    found["track_yaw_rate"], found["track_yaw_rate_held_out"] = (each.errors.rms for each in yaw)
+    found["track_sideslip"] = float(np.degrees(angle[0].errors.rms))
+    found["track_sideslip_held_out"] = float(np.degrees(angle[1].median_window))
+    of_windows = [each.judged[SIDESLIP].of_windows for each in last]
+    found["track_sideslip_each_second"] = float(np.degrees(np.median(np.concatenate(of_windows))))
     believed = ParameterFile(car / "estimators.yaml").values_for("/ev/slip_angle_observer", by_name=True)
     whole = OpenLoop(record, windows_of(record, WINDOW), configurations)
     estimates = {each.name: each.judged for each in estimates_of(whole, {"slip_angle_observer": believed})[0]}
@@ -57,7 +56,7 @@ def track_record(folder: Path) -> dict[str, float]:
 
 
 def _driven(record: MeasuredRecord, car: Mapping[str, Configuration], begin: float, end: float) -> Validation:
-    replay = OpenLoop(record, windows_of(record, WINDOW, begin, end), car, signals_to_show(), cut_off=AS_FITTED)
+    replay = OpenLoop(record, windows_of(record, WINDOW, begin, end), car, signals_to_show())
     return Validation(replay, {name: values[0] for name, values in replay.simulate().items()}, 0.0)
 
 

@@ -110,7 +110,8 @@ class MeasuredRecord:
 
     `channels` have the names of signals.npz and `SIDESLIP`, (n,) each. `valid` (n,) marks the instants that are
     believed; elsewhere channels hold interpolated numbers. `begin` [s] is the time of the file at the first instant.
-    `noise` is the declared standard deviation by channel, where there is one. The sideslip angle is NaN where the car
+    `noise` is the declared standard deviation by channel, where there is one, and `spacing` how far the samples of its
+    sensor are apart [s]. The sideslip angle is NaN where the car
     is slower than `SLOWEST`: noise of the velocities decides it there.
     """
 
@@ -122,6 +123,7 @@ class MeasuredRecord:
     valid: np.ndarray
     notes: tuple[str, ...] = ()
     noise: Mapping[str, float] = field(default_factory=dict)
+    spacing: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def time(self) -> np.ndarray:
@@ -178,7 +180,8 @@ def measured(
     notes = passed_over + spikes + _bridge(channels, valid, max(int(mask.bridge / period + 0.5), 0))
     noise = {name: declared.noise * UNITS[declared.unit] for name, (_, declared) in columns.items() if declared.noise}
     _complete_sideslip(channels, noise)
-    return MeasuredRecord(source, digest, float(begin), period, channels, valid, notes, noise)
+    spacing = {name: float(np.median(np.diff(each.time))) for name, (each, _) in columns.items()}
+    return MeasuredRecord(source, digest, float(begin), period, channels, valid, notes, noise, spacing)
 
 
 def _complete_sideslip(channels: dict[str, np.ndarray], noise: dict[str, float]) -> None:

@@ -27,7 +27,7 @@ from ev_sim.measured.records.record import (
     MeasuredRecord,
     sideslip,
 )
-from ev_sim.measured.replays.smoothing import CUT_OFF, SMOOTHED, smoothed, with_acceleration
+from ev_sim.measured.replays.smoothing import SMOOTHED, smoothed, with_acceleration
 from ev_sim.scenarios.about import vehicle_file
 from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.scenario import Overrides
@@ -143,10 +143,10 @@ class OpenLoop:
 
     The car is driven as the record was: road-wheel angle and, by `imposed`, longitudinal velocity, pedals or the torque
     of each wheel. Velocities and yaw rate are those that were measured when the window begins, all else follows. The
-    speed that is imposed and what a window begins from are smoothed with a `cut_off` [Hz] (`smoothing`), so that noise
-    is no force; 0 takes the samples as they are. A car whose lateral velocity was not measured begins `LEAD` before the
-    window without any. `notes` has what was made of speed and torques. ParameterError if the record lacks what is
-    imposed.
+    speed that is imposed and what a window begins from are smoothed with a `cut_off` [Hz], by their noise for None
+    (`smoothing`), so that noise is no force; 0 takes the samples as they are. A car whose lateral velocity was not
+    measured begins `LEAD` before the window without any. `notes` has what was made of speed and torques.
+    ParameterError if the record lacks what is imposed.
     """
 
     def __init__(
@@ -156,7 +156,7 @@ class OpenLoop:
         configurations: Mapping[str, Configuration],
         signals: Sequence[str] = (LATERAL, YAW_RATE, LATERAL_ACCELERATION),
         imposed: str = "speed",
-        cut_off: float = CUT_OFF,
+        cut_off: float | None = None,
     ) -> None:
         self.record, self.windows = record, windows
         self._signals = (*dict.fromkeys((LONGITUDINAL, *signals)),)

@@ -21,6 +21,7 @@ from ev_sim.measured.records.record import (
 from ev_sim.measured.replays.open_loop import OpenLoop
 from ev_sim.measured.replays.smoothing import smoothed, smoothed_values
 
+_SLOW = 3.0  # [Hz], up to which channels are compared: all that a car on its tyres does
 _FAST = 3.0  # [m/s], from which on a car shows how it drives
 _MOVES = 0.02  # [rad/s]; a yaw rate, measured or asked for, that deviates by less shows nothing
 _ACCELERATES = 0.3  # [m/s^2], likewise
@@ -37,9 +38,9 @@ def contradictions(replay: OpenLoop) -> list[str]:
     moving = record.valid & (np.abs(record[LONGITUDINAL]) > _FAST)
     if moving.sum() < _FEWEST:
         return []
-    speed, rate = smoothed(record, LONGITUDINAL), smoothed(record, YAW_RATE)
+    speed, rate = smoothed(record, LONGITUDINAL, _SLOW), smoothed(record, YAW_RATE, _SLOW)
     wheelbase = replay.configurations["plant"].common.vehicle.wheelbase
-    asked = (speed * smoothed_values(replay.road_wheel_angle, record.period) / wheelbase)[moving]
+    asked = (speed * smoothed_values(replay.road_wheel_angle, record.period, _SLOW) / wheelbase)[moving]
     found = _constant(replay, moving, max(float(np.std(asked)), float(np.std(rate[moving]))))
     if found:
         return found
@@ -51,13 +52,13 @@ def contradictions(replay: OpenLoop) -> list[str]:
     if LATERAL_ACCELERATION in channels:
         turning = speed * rate
         if LATERAL in channels:
-            turning = turning + np.gradient(smoothed(record, LATERAL), record.period)
-        own = smoothed(record, LATERAL_ACCELERATION)[moving]
+            turning = turning + np.gradient(smoothed(record, LATERAL, _SLOW), record.period)
+        own = smoothed(record, LATERAL_ACCELERATION, _SLOW)[moving]
         if np.std(turning[moving]) > _ACCELERATES:
             found += _compared(LATERAL_ACCELERATION, own, "speed times yaw rate", turning[moving], 0.5, 2.0)
     if LONGITUDINAL_ACCELERATION in channels:
         faster = np.gradient(speed, record.period)[moving]
-        own = smoothed(record, LONGITUDINAL_ACCELERATION)[moving]
+        own = smoothed(record, LONGITUDINAL_ACCELERATION, _SLOW)[moving]
         if np.std(faster) > _ACCELERATES:
             found += _compared(LONGITUDINAL_ACCELERATION, own, "the change of speed", faster, 0.3, 3.0)
     if SIDESLIP in channels:
