@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import csv
 import math
+from collections import defaultdict
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ev_core.vehicle.files import mf_numbers, read_tyre
 from ev_core.vehicle.tyre import MF_NAMES, Tyre, mf_tyres
 from ev_msgs_py.refusal import ParameterError
+from ev_sim.measured.magic_formula import Points, lateral, longitudinal
 from ev_sim.surfaces import SURFACES, curve_on_road, tyre_on_road
 from ev_sim.tyres.contact_patch import weighted
 from ev_sim.tyres.curve import magic_formula
@@ -117,9 +121,9 @@ def test_shown_curve_is_the_pure_longitudinal_one_at_nominal_load():
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"FITTYP": "70"}, "FITTYP is 70, allowed is one of 6, 21, 52, 60, 61, 62"),
-        ({"ANGLE": "degree"}, "ANGLE is 'degree', allowed is 'radians'"),
-        ({"PKX1": "stiff"}, "PKX1 is 'stiff', allowed is a finite number"),
+        ({"FITTYP": "70"}, "FITTYP is 70, expected one of 6, 21, 52, 60, 61, 62"),
+        ({"ANGLE": "degree"}, "ANGLE is 'degree', expected 'radians'"),
+        ({"PKX1": "stiff"}, "PKX1 is 'stiff', expected one finite number"),
         ({"RBX1": None, "PCY1": None}, "lacks PCY1, RBX1"),
         ({"FITTYP": None}, "PROPERTY_FILE_FORMAT is '' without FITTYP"),
     ],
@@ -128,6 +132,37 @@ def test_a_file_of_another_kind_is_refused(changed, words):
     entries = {key: value for key, value in (ENTRIES | changed).items() if value is not None}
     with pytest.raises(ParameterError, match=words):
         mf_numbers(entries)
+
+
+def test_a_coefficient_that_is_there_twice_is_refused(tmp_path):
+    """With two values, in one section or in two; the same value twice is one, and MASS of units and inertia is none."""
+    lines = [f"{key} = {value} $ comment" for key, value in ENTRIES.items()]
+    file = tmp_path / "one.tir"
+    file.write_text("\n".join(["[UNITS]", "MASS = 'kg'", "[INERTIA]", "MASS = 9.3", *lines, lines[3]]))
+    assert read_tyre("vehicle.tyre.front_file", str(file)) == mf_numbers(ENTRIES)
+    file.write_text("\n".join([*lines, "[LATERAL]", "PKY1 = 40"]))
+    with pytest.raises(ParameterError, match=r"PKY1 is '\S+ and 40', expected one finite number"):
+        read_tyre("vehicle.tyre.front_file", str(file))
+
+
+@pytest.mark.parametrize("pressure", [150e3, 250e3])
+def test_another_pressure_than_the_nominal_one_changes_stiffness_and_friction(pressure):
+    """By the factors of the formula with all its terms (eqs 4.E13 to 4.E25), which rig data are fitted with."""
+    by_pressure = dict(zip([f"PP{a}{n}" for a in "XY" for n in range(1, 5)], np.linspace(-0.3, 0.4, 8), strict=True))
+    entries = ENTRIES | {name: repr(float(v)) for name, v in by_pressure.items()} | {"NOMPRES": "200000"}
+    at_nominal = mf_numbers(entries | {"INFLPRES": "200000"})
+    assert at_nominal == mf_numbers(entries) == mf_numbers(ENTRIES)
+    coefficients = defaultdict(float, {name: float(value) for name, value in entries.items()})
+    found = dict(zip(MF_NAMES, mf_numbers(entries | {"INFLPRES": repr(pressure)}), strict=True))
+    scaled = coefficients | {name.upper(): value for name, value in found.items()}
+    for slip_ratio, angle, load in ((0.05, 0.0, 3000.0), (0.0, 0.1, 5000.0)):
+        zero = np.zeros(1)
+        at = Points(zero + slip_ratio, zero + angle, zero, zero + load, zero + 200e3, zero, zero)
+        whole = replace(at, pressure=zero + pressure)
+        for force in (longitudinal, lateral):
+            assert force(scaled, at) == pytest.approx(force(coefficients, whole), rel=1e-12)
+    with pytest.raises(ParameterError, match="INFLPRES is 0, expected above 0"):
+        mf_numbers(entries | {"INFLPRES": "0"})
 
 
 def test_signs_of_all_axes_give_the_same_tyre():

@@ -46,7 +46,7 @@ def _grid(
     for s, t in grid:
         if times[s, t] != 1:
             point = f"the point of {s:g} rad/s and {t:g} N m"
-            raise ParameterError(f"{point} is there {times[s, t]} times, allowed is once")
+            raise ParameterError(f"{point} is there {times[s, t]} times, expected once")
     value = dict(zip(zip(speed, torque, strict=True), efficiency, strict=True))
     return {
         "map_speed": tuple(speeds),
@@ -65,6 +65,14 @@ _SCALED = {
     **{"LCY": "pcy1", "LMUY": "pdy1 pdy2", "LEY": "pey1 pey2", "LKY": "pky1", "LXAL": "rbx1", "LYKA": "rby1"},
 }
 _SCALES = {name: scale for scale, names in _SCALED.items() for name in names.split()}
+# By coefficient, what multiplies it at another pressure than the nominal one: 1 + these times the relative change and
+# its square. They are those of an upright tyre.
+_BY_PRESSURE = {
+    **dict.fromkeys(("pkx1", "pkx2"), ("PPX1", "PPX2")),
+    **dict.fromkeys(("pdx1", "pdx2"), ("PPX3", "PPX4")),
+    **dict.fromkeys(("pdy1", "pdy2"), ("PPY3", "PPY4")),
+    **{"pky1": ("PPY1", ""), "pky2": ("PPY2", "")},
+}
 _UNITS = {"LENGTH": "meter", "FORCE": "newton", "ANGLE": "radians"}
 
 
@@ -93,37 +101,52 @@ def read_tyre(parameter: str, name: str) -> tuple[float, ...]:
 
 
 def mf_numbers(entries: Mapping[str, str]) -> tuple[float, ...]:
-    """The numbers of MfTyres from the entries of a file, scale factors multiplied in; ParameterError if some lack."""
+    """The numbers of MfTyres from the entries of a file, scaled and at its pressure; ParameterError if some lack."""
     for unit, wanted in _UNITS.items():
         given = entries.get(unit, wanted).lower()
         if given.rstrip("s") != wanted.rstrip("s"):
-            raise ParameterError(f"{unit} is {quoted(given)}, allowed is {quoted(wanted)}")
+            raise ParameterError(f"{unit} is {quoted(given)}, expected {quoted(wanted)}")
     takes_tangent = _takes_tangent(entries)
     needed = [name for name in MF_NAMES if name != "takes_tangent"]
     lacking = [name.upper() for name in needed if name.upper() not in entries and name not in OPTIONAL]
     if lacking:
         raise ParameterError(f"lacks {', '.join(lacking)}")
-    return (*(_coefficient(entries, name) for name in needed), float(takes_tangent))
+    change = _pressure_change(entries)
+    return (*(_coefficient(entries, name, change) for name in needed), float(takes_tangent))
+
+
+def _pressure_change(entries: Mapping[str, str]) -> float:
+    """By how much the inflation pressure is above the nominal one, over it; 0 where a file has not both."""
+    if "INFLPRES" not in entries or "NOMPRES" not in entries:
+        return 0.0
+    given, nominal = (_number(entries, key, 0.0) for key in ("INFLPRES", "NOMPRES"))
+    for key, value in (("INFLPRES", given), ("NOMPRES", nominal)):
+        if value <= 0.0:
+            raise ParameterError(f"{key} is {value:g}, expected above 0")
+    return given / nominal - 1.0
 
 
 def _takes_tangent(entries: Mapping[str, str]) -> bool:
     if "FITTYP" in entries:
         kind = _number(entries, "FITTYP", 0.0)
         if kind not in _FIT_TYPES:
-            raise ParameterError(f"FITTYP is {kind:g}, allowed is one of {', '.join(f'{k:g}' for k in _FIT_TYPES)}")
+            raise ParameterError(f"FITTYP is {kind:g}, expected one of {', '.join(f'{k:g}' for k in _FIT_TYPES)}")
         return _FIT_TYPES[kind]
     written = entries.get("PROPERTY_FILE_FORMAT", "")
     if written not in _FORMATS:
         raise ParameterError(
-            f"PROPERTY_FILE_FORMAT is {quoted(written)} without FITTYP, allowed is one of {', '.join(_FORMATS)}"
+            f"PROPERTY_FILE_FORMAT is {quoted(written)} without FITTYP, expected one of {', '.join(_FORMATS)}"
         )
     return _FORMATS[written]
 
 
-def _coefficient(entries: Mapping[str, str], name: str) -> float:
+def _coefficient(entries: Mapping[str, str], name: str, pressure_change: float) -> float:
     value = _number(entries, name.upper(), OPTIONAL.get(name, 0.0))
     if name in _SCALES:
         value *= _number(entries, _SCALES[name], 1.0)
+    if name in _BY_PRESSURE:
+        linear, squared = (_number(entries, key, 0.0) for key in _BY_PRESSURE[name])
+        value *= 1.0 + linear * pressure_change + squared * pressure_change**2
     # Slip angle and side force have one sign or the other by the axes of the file; the tyre opposes its slip in all.
     if name.startswith("pdy") and _number(entries, "PDY1", 1.0) < 0.0:
         return -value
@@ -139,17 +162,22 @@ def _number(entries: Mapping[str, str], key: str, default: float) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise ParameterError(f"{key} is {quoted(text)}, allowed is a finite number")
+        raise ParameterError(f"{key} is {quoted(text)}, expected one finite number")
     return value
 
 
 def _entries(text: str) -> dict[str, str]:
-    """KEY = value of all sections; $ begins a comment, a line of ! is one."""
-    found = {}
+    """KEY = value of all sections; $ begins a comment, a line of ! is one.
+
+    Of a key with different values both stand in its text, which is no number where one is read: MASS is a unit in one
+    section and a mass in another, and nothing here reads it.
+    """
+    found: dict[str, str] = {}
     for line in text.splitlines():
         if "=" in line and not line.lstrip().startswith(("!", "$")):
             key, _, value = line.partition("=")
-            found[key.strip().upper()] = value.partition("$")[0].strip().strip("'\"").strip()
+            key, value = key.strip().upper(), value.partition("$")[0].strip().strip("'\"").strip()
+            found[key] = value if found.get(key, value) == value else f"{found[key]} and {value}"
     return found
 
 
