@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import signal
 import subprocess
 import time
 from collections.abc import Callable
@@ -11,7 +12,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from can_bus.databases import ours
-from can_bus.test_processes import EXAMPLES, PATIENT, end, hub_channels, launch, no_process_left, started
+from can_bus.test_processes import (
+    EXAMPLES,
+    PATIENT,
+    end,
+    hub_channels,
+    launch,
+    no_process_left,
+    started,
+    wait_for_fault,
+    wait_for_torque,
+)
 from patience import PATIENCE
 from ros_graph import ros_domain
 
@@ -124,6 +135,23 @@ def test_an_exported_law_drives_our_inverters(target, folders):
         assert [answer[f"torque_request.drive.front_{side}"] for side in ("left", "right")] == torques
     left, right, *torques = rows[-1]
     assert right > left and torques[0] > torques[1]  # by how much hangs on the wall clock
+
+
+def test_a_fault_while_the_program_is_held_up_past_its_end_is_told(folders):
+    """It is stopped for longer than the 3 s that it holds, and the drives miss its set-points: exit status 1."""
+    program, bus = built("x86_64-linux", folders / "x86_64-linux"), hub_channels()
+    with ros_domain() as context:
+        inverter = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT})
+        ecu = started([*program, bus["bus.channel_11"].rpartition(":")[2], str(PEDAL), "3", str(TIMEOUT)])
+        wait_for_torque(bus)
+        ecu.send_signal(signal.SIGSTOP)
+        time.sleep(3.0)
+        wait_for_fault(bus)
+        ecu.send_signal(signal.SIGCONT)
+        told = ecu.communicate(timeout=PATIENCE)[0]
+        end([inverter])
+    assert "ecu: a drive or the law has failed" in told
+    assert ecu.returncode == 1
 
 
 def test_a_torque_that_is_none_goes_out_as_zero(folders):

@@ -26,6 +26,10 @@
 #define COUNT 1
 #endif
 
+#ifndef PARAMETERS
+#define PARAMETERS parameters
+#endif
+
 static const ev_parameter parameters[] = {{NAME, "N m", "unused", 1.0, LOW, INFINITY},
                                           {NAME, "N m", "unused", 1.0, LOW, INFINITY}};
 
@@ -40,6 +44,6 @@ static int32_t step(const ev_asr_inputs *in, ev_asr_outputs *out, double *state,
 
 #ifndef NO_LAW
 const ev_asr_law ev_asr = {EV_VERSION, EV_LAYOUT + NEWER, sizeof(ev_asr_inputs), sizeof(ev_asr_outputs),
-                           sizeof(ev_given), "Lets one torque through.", EV_READS_TORQUE_REQUEST, COUNT, parameters, 1,
+                           sizeof(ev_given), "Lets one torque through.", EV_READS_TORQUE_REQUEST, COUNT, PARAMETERS, 1,
                            start, step};
 #endif

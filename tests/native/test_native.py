@@ -113,6 +113,7 @@ def test_a_start_and_the_parameters_that_a_library_declares(refused):
         ('NAME="lambda"', r"asr method \S+: parameter 'lambda' is refused, allowed is a name of Python's without _ "),
         ('NAME="seed"', r"asr method \S+: parameter seed is refused: every node has one of this name, take another$"),
         ("TWICE", r"asr method \S+: parameter 'limit' is refused, allowed is once$"),
+        ("PARAMETERS=NULL", r"asr method \S+: it lacks the table of parameters that it declares$"),
         ("LOW=NAN", r"asr method \S+: parameter 'limit' needs a name and a finite value between its bounds$"),
     ],
 )

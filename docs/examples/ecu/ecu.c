@@ -259,5 +259,5 @@ int main(int count, char **words)
     for (int k = 0; k < DRIVES; k++)
         if (drives[k].error_code)
             fprintf(stderr, "ecu: %s: ErrorCode %04Xh (docs/can.md, Faults)\n", wired[k].channel, drives[k].error_code);
-    return left > 0;
+    return left > 0 || !is_well; /* a fault in the last cycle counts, which may have been a long one */
 }

@@ -101,6 +101,8 @@ class Library:
         self.start, self.step = declared.start or 0, declared.step or 0
         if not self.step or not self.reads or max(self.state_size, declared.number_of_parameters) > _MOST:
             raise self.refused("it lacks a step function, reads nothing of its role, or declares absurdly much")
+        if declared.number_of_parameters and not declared.parameters:
+            raise self.refused("it lacks the table of parameters that it declares")
         self.__doc__ = _text(declared.about) or "A law in C."
         self.parameters = make_dataclass("LibraryParameters", self._fields(declared), frozen=True, slots=True)
         refuse_taken(f"{role} method {name}", self.parameters)
