@@ -7,10 +7,24 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from ros_graph import NAMESPACE, NODES, WAYS, Graph, graph, offline_hash, publisher, recorded_hash, shchur
+from ros_graph import (
+    NAMESPACE,
+    NODES,
+    WAYS,
+    Graph,
+    Probe,
+    graph,
+    offline_hash,
+    publisher,
+    recorded_hash,
+    ros_domain,
+    shchur,
+)
 
 from ev_core.lockstep.finding import find_method
+from ev_core.nodes.master.node import MasterNode
 from ev_core.nodes.signal_io import QUALITY
+from ev_core.nodes.spinning import spin
 from ev_core.sensors.row import QUANTITIES
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
@@ -178,6 +192,37 @@ def test_the_master_reports_a_command_whose_stamp_is_the_time_of_day(tmp_path):
         own.destroy_node()
     expected = "/ev/plant: torque_command at 1790000000.1234567 s ignored (reported once): 0.0 s is due"
     assert nodes.probe.reports[0].startswith(expected)
+
+
+CARS = "car1", "car2"
+
+
+def clocks(context: Any, *words: str) -> list[Node]:
+    """The masters of two cars in one domain."""
+    spaces = [["-r", f"__ns:=/{car}"] for car in CARS]
+    return [MasterNode(context=context, cli_args=["--ros-args", *space, *words]) for space in spaces]
+
+
+def test_two_masters_on_one_clock_name_each_other():
+    with ros_domain() as context:
+        probe, nodes = Probe(context), clocks(context)
+
+        def named() -> bool:
+            probe.look()
+            return len(probe.reports) == 2
+
+        spin(nodes, named)
+    assert sorted(probe.reports) == [
+        "/car1/plant: /car2/plant publishes /clock as well; -r /clock:=clock lets each have its own",
+        "/car2/plant: /car1/plant publishes /clock as well; -r /clock:=clock lets each have its own",
+    ]
+
+
+def test_by_the_rule_that_a_master_names_each_car_has_a_clock_of_its_own():
+    with ros_domain() as context:
+        nodes = clocks(context, "-r", "/clock:=clock")
+        found = [[end.node_namespace for end in nodes[0].get_publishers_info_by_topic(f"/{car}/clock")] for car in CARS]
+    assert found == [["/car1"], ["/car2"]]
 
 
 def test_a_restarted_master_begins_the_run_anew(tmp_path):

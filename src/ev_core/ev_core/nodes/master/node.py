@@ -23,7 +23,7 @@ from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.nodes.master.schedule import Schedule, serve_time
 from ev_core.nodes.reports import wait_until_heard
 from ev_core.nodes.runner_line import TIMING, Word
-from ev_core.nodes.signal_io import QUALITY
+from ev_core.nodes.signal_io import NAMELESS, QUALITY
 from ev_core.nodes.stepped_node import SteppedNode
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES, REQUIRED, ROLES
@@ -75,7 +75,9 @@ class Silence:
                 yield f"{role} publishes {topic} as best effort, expected reliable"
 
 
+_CLOCK_TOPIC = "/clock"
 _CLOCK = SimpleNamespace(template=stamp_alone(0), mask=b"", runs=(), code="d")  # messages without numbers
+_LOOK_PERIOD = 1.0  # s of wall time between looks for other clocks
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
 # It doubles up to this where that does not help: each repetition is answered by all, and publishers keep 256 messages,
 # which a recorder that is held up for seconds has still to receive.
@@ -91,10 +93,11 @@ class MasterNode(SteppedNode):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(MASTER, **node_arguments)
-        self._clock_topic = self.create_publisher(Clock, "/clock", QUALITY).handle
+        self._clock_topic = self.create_publisher(Clock, _CLOCK_TOPIC, QUALITY).handle
         self._silence = Silence(self)
         serve_time(self, self.schedule, self._begin, self.reports)
         self.every(_RETRY_PERIOD, self.idle)
+        self.every(_LOOK_PERIOD, self._name_other_clocks)
         self._begin()
 
     @cached_property
@@ -174,6 +177,16 @@ class MasterNode(SteppedNode):
         if self._clock_topic.get_subscription_count():
             self._clock_topic.publish_raw(stamp_alone(answer.stamp))
         self._spoke = time.monotonic()
+
+    def _name_other_clocks(self) -> None:
+        """Report masters that share the clock: time goes back and forth there for all who follow it."""
+        clock, own = self.resolve_topic_name(_CLOCK_TOPIC), self.get_fully_qualified_name()
+        ends = self.get_publishers_info_by_topic(clock)
+        names = {f"{end.node_namespace.rstrip('/')}/{end.node_name}" for end in ends}
+        # A former master of the own name, which has ended, may still be listed.
+        for other in sorted(name for name in names - {own} if NAMELESS not in name):
+            rule = f"-r {_CLOCK_TOPIC}:={_CLOCK_TOPIC.strip('/')}"
+            self.reports.note(clock, f"{other} publishes {clock} as well; {rule} lets each have its own")
 
     def _repeat(self) -> None:
         """Publish once more, first what most nodes receive: their step goes on while the rest is being published."""
