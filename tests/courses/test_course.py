@@ -155,7 +155,10 @@ def test_a_road_narrower_than_the_car_is_refused():
 
 
 def test_a_header_behind_a_hash_and_a_last_point_that_repeats_the_first_are_read(tmp_path: Path):
-    """As the files of racetrack-database have it, and those of others; a quote in a comment changes nothing."""
+    """As the files of racetrack-database have it, and those of others; a quote in a comment changes nothing.
+
+    Of two headers the one without a hash counts.
+    """
     rows = []
     for n in range(41):
         turn = 2.0 * np.pi * (n % 40) / 40
@@ -164,12 +167,13 @@ def test_a_header_behind_a_hash_and_a_last_point_that_repeats_the_first_are_read
     for head, body in (
         ("x_m,y_m,w_tr_right_m,w_tr_left_m", rows[:-1]),
         ('# a "circle\n# x_m,y_m,w_tr_right_m,w_tr_left_m', rows[:-1]),
+        ("# x_m,y_m,w_tr_left_m,w_tr_right_m\nx_m,y_m,w_tr_right_m,w_tr_left_m", rows[:-1]),
         ("x_m,y_m,w_tr_right_m,w_tr_left_m", rows),
     ):
         (tmp_path / "circle.csv").write_text("\n".join([head, *body]))
         found.append(with_course_from_file(CourseParameters(file=str(tmp_path / "circle.csv"))))
     assert len(found[0].x) == 40
-    assert found[0] == found[1] == found[2]
+    assert found[0] == found[1] == found[2] == found[3]
     (tmp_path / "circle.csv").write_text("\n".join(["x_m;y_m;w_tr_right_m;w_tr_left_m", *rows]))
     assert "line 1: columns are separated by ';', expected ','" in refusal_of(tmp_path / "circle.csv")
 

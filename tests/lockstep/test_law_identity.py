@@ -51,7 +51,8 @@ def cart(p, s, period, command: WheelTorqueCommand) -> None:
 
 @pytest.fixture
 def registered(monkeypatch: pytest.MonkeyPatch):
-    """A register of its own, which begins with what it has by now."""
+    """A register of its own, which begins with what it has by now, and with all that is installed."""
+    all_methods()
     kept = {role: dict(methods) for role, methods in register._REGISTER.items()}
     monkeypatch.setattr(register, "_REGISTER", kept)
     return kept
@@ -94,6 +95,16 @@ def test_the_name_of_another_module_is_taken_and_a_cell_may_be_run_again(registe
         run(text, "others_laws")
     with pytest.raises(TypeError, match=r"take another name for somebodys_laws\.other"):
         run(LAW.format(name="somebodys", function="other"))
+
+
+def test_a_module_that_runs_as_a_program_has_its_laws(registered, monkeypatch: pytest.MonkeyPatch):
+    """Under python -m a module of a package is there twice: as a program, and as what the package offers."""
+    for name in ("package.laws", "as_a_program"):
+        module = ModuleType(name)
+        module.__file__ = "laws.py"
+        monkeypatch.setitem(sys.modules, name, module)
+        exec(HEAD + LAW.format(name="somebodys", function="mine"), vars(module))
+    assert registered["asr"]["somebodys"].place == ("as_a_program", "mine")
 
 
 def test_two_laws_of_one_name_in_a_file_are_one_line(tmp_path: Path):

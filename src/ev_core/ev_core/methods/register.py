@@ -6,11 +6,11 @@ With it stand the parameters that every node has besides those of its method.
 from __future__ import annotations
 
 import inspect
-import typing
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_type_hints
 
 from ev_core.faults.fault import FaultParameters
 from ev_core.methods.hooks import refuse_lacking, refuse_wrong_declaration
@@ -154,6 +154,11 @@ class Method:
         return self.documented.__module__, self.documented.__qualname__
 
     @property
+    def text_place(self) -> tuple[str, str]:
+        """The same by the file of the module, which is another module where it runs as a program."""
+        return getattr(sys.modules.get(self.place[0]), "__file__", self.place[0]), self.place[1]
+
+    @property
     def package(self) -> str:
         """The package that brings it."""
         return str(self.documented.__module__).partition(".")[0]
@@ -191,7 +196,7 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
         refuse_wrong_declaration(who, ROLES[role], factory)
         hook = "advance" if ROLES[role].kind is RoleKind.INTEGRATES else "step"
         function = factory.function if isinstance(factory, Law) else getattr(factory, hook)
-        hints = typing.get_type_hints(function)
+        hints = get_type_hints(function)
         given = given_names(function) if parameters is not None else ("self",)
         arguments = [name for name in inspect.signature(function).parameters if name not in given]
         if bare := [name for name in arguments if name not in hints]:
@@ -223,7 +228,7 @@ def _put(method: Method) -> None:
     """Register a method; TypeError if another one has its name, unless that is the same one, edited and run again."""
     of_role = _REGISTER.setdefault(method.role, {})
     known = of_role.get(method.name)
-    if known is not None and known.place != method.place:
+    if known is not None and known.place != method.place and known.text_place != method.text_place:
         raise TypeError(
             f"{method.role} method {method.name} is there already, {'.'.join(known.place)}: take another name for "
             f"{'.'.join(method.place)}"

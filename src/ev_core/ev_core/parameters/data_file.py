@@ -207,7 +207,7 @@ def read_csv(
 
 def _read(path: Path, columns: tuple[Mapping[str, float], ...], unread: Collection[str]) -> list[tuple[float, ...]]:
     file = io.StringIO(read_data(path, TABLE).decode("utf-8-sig"), newline="")
-    lines = csv.reader(_without_comments(file, columns), skipinitialspace=True)
+    lines = csv.reader(_without_comments(file.readlines(), columns), skipinitialspace=True)
     rows = [(lines.line_num, row) for row in lines if row]
     header = [cell.strip() for cell in rows[0][1]] if rows else []
     found = [[name for name in names if name in header] for names in columns]
@@ -235,19 +235,23 @@ def _read(path: Path, columns: tuple[Mapping[str, float], ...], unread: Collecti
     ]
 
 
-def _without_comments(file: Iterable[str], columns: tuple[Mapping[str, float], ...]) -> Iterator[str]:
-    """The lines of a table, with nothing in place of comments; the first that names all columns is the header."""
-    begun = False
-    for line in file:
+def _without_comments(lines: list[str], columns: tuple[Mapping[str, float], ...]) -> Iterator[str]:
+    """The lines of a table, nothing in place of comments; the header is the first one, or behind # if that is none."""
+    begun = _is_header(next((line for line in lines if line.strip() and line[0] != "#"), ""), columns)
+    for line in lines:
         if not line.startswith("#"):
             begun = begun or bool(line.strip())
             yield line
             continue
         text = line.lstrip("# ")
-        cells = [cell.strip() for cell in text.split(",")]
-        is_header = not begun and all(any(name in cells for name in names) for names in columns)
+        is_header = not begun and _is_header(text, columns)
         begun = begun or is_header
         yield text if is_header else ""
+
+
+def _is_header(line: str, columns: tuple[Mapping[str, float], ...]) -> bool:
+    cells = [cell.strip() for cell in line.split(",")]
+    return all(any(name in cells for name in names) for names in columns)
 
 
 def _number(text: str | None, column: str, line: int) -> float:
