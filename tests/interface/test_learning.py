@@ -155,6 +155,12 @@ def test_who_acts_like_any_traction_control_gets_the_bits_of_the_plain_run_or_on
     assert signal_hash(environment.simulation.recording) == signal_hash(plain.runs["steered"])
 
 
+def test_a_step_before_the_first_reset_is_refused():
+    environment = Environment(duration=DURATION)
+    with pytest.raises(ParameterError, match=r"^step is refused before the first reset, expected is reset\(\) before"):
+        environment.step(np.zeros(2))
+
+
 def test_an_option_of_reset_is_refused():
     environment = Environment("double_lane_change")
     environment.reset(options={})

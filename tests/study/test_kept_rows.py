@@ -181,6 +181,13 @@ def test_a_changed_study_of_ones_own_drives_its_cases_anew(tmp_path, monkeypatch
     assert [one == other for one, other in zip(before, keys(), strict=True)] == [False, True]
 
 
+def test_a_module_that_this_python_cannot_read_counts_by_its_text(tmp_path, monkeypatch):
+    (tmp_path / "later_study.py").write_text("try:\n    import of_later\nexcept SyntaxError:\n    pass\n")
+    (tmp_path / "of_later.py").write_text("def (\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert [each.name for each in digests.imported_files("later_study", ())] == ["later_study.py", "of_later.py"]
+
+
 def test_two_files_that_change_places_are_others(tmp_path):
     """Each text was still there, and the row of the other bus was taken again."""
     texts = [in_config("can/ev_bench.dbc").read_text() + end for end in ("", "\n")]

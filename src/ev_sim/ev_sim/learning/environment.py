@@ -248,6 +248,8 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Go on by one control period; `truncated` where the scenario ends. ParameterError for another shape."""
+        if not hasattr(self, "_own"):
+            raise ParameterError("step is refused before the first reset, expected is reset() before it")
         if np.shape(action) != self.action_space.shape:
             allowed = f"{self.action_space.shape}, of {', '.join(self.channels)}"
             raise ParameterError(f"action of shape {np.shape(action)} is refused, allowed is {allowed}")

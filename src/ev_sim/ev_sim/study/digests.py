@@ -55,7 +55,11 @@ def _file(module: str) -> Path | None:
 def _imports(module: str, file: Path) -> Iterator[str]:
     """The modules that a text may mean; a name that is imported from a package may be one, too."""
     package = module if file.name == "__init__.py" else module.rpartition(".")[0]
-    for node in ast.walk(ast.parse(file.read_bytes() if file.suffix == ".py" else "")):
+    try:
+        tree = ast.parse(file.read_bytes() if file.suffix == ".py" else "")
+    except (SyntaxError, ValueError):  # what is imported where it can be, such as of another Python: its text counts
+        return
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import | ast.ImportFrom):
             names = [alias.name for alias in node.names]
             if isinstance(node, ast.ImportFrom):
