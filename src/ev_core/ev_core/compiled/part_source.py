@@ -111,6 +111,13 @@ def are_finite(numbers: Any, begin: int, end: int) -> bool:
     return are
 
 
+@compilable
+def copy(there: Any, here: Any) -> None:
+    """Copy a row of numbers one by one: an assignment of all of them takes a heap, which exports lack."""
+    for i in range(len(there)):
+        there[i] = here[i]
+
+
 class Unpacking:
     """The source text that makes `c` of a row and of the record `k` at its beginning, and the names in it."""
 
@@ -200,9 +207,9 @@ def _part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     size, checked = state.itemsize // 8, is_checked(method)
     is_copied = checked and 0 < size <= _COPIED
     if is_copied:
-        names["working_memory"] = working_memory
+        names["working_memory"], names["copy"] = working_memory, copy
         lines += [f"kept, memory = carray(state, {size}, FLOAT), working_memory(STATE)"]
-        lines += ["numbers, s = memory.view(FLOAT), memory[0]", "numbers[:] = kept"]
+        lines += ["numbers, s = memory.view(FLOAT), memory[0]", "copy(numbers, kept)"]
     elif size:
         lines.append("s = carray(state, 1, STATE)[0]")
     reading = [f"here = carray(now, {frame.SIZE}, FLOAT)"]
@@ -224,7 +231,7 @@ def _part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     if checked:
         names["are_finite"] = are_finite
         begin, end = frame.span(method.writes)
-        done = [*(["kept[:] = numbers"] if is_copied else []), "status = 0"]
+        done = [*(["copy(kept, numbers)"] if is_copied else []), "status = 0"]
         body += [f"if are_finite(there, {begin}, {end}):", *_indented(done)]
         body = ["status = 1", "try:", *_indented(body), "except Exception:", "    pass"]
     body = [f"there[{frame.PLACES[signal].start}] = NAN" for signal in method.writes] + body

@@ -71,6 +71,19 @@ define i32 @{symbol}(ptr %now, ptr %next, ptr %state, ptr %constants) {{
   ret i32 %status
 }}
 """
+# A law whose indices are checked looks in `raised` for an exception before it raises one, and gives a status itself.
+_CALLED_CHECKED = """
+define i32 @{symbol}(ptr %now, ptr %next, ptr %state, ptr %constants) {{
+  %given = alloca i32
+  %raised = alloca ptr
+  store i32 1, ptr %given
+  store ptr null, ptr %raised
+  %failed = call i32 @{name}(ptr %given, ptr %raised, ptr %now, ptr %next, ptr %state, ptr %constants)
+  %status = load i32, ptr %given
+  %either = or i32 %failed, %status
+  ret i32 %either
+}}
+"""
 _HEAD = re.compile(r"^(source_filename|target datalayout|target triple) = .*$", re.M)
 _SHARED = re.compile(r"= common (local_unnamed_addr )?global")
 # Who holds an array: nobody, for those that a part works on are given to it.
@@ -84,8 +97,8 @@ _OF_POINTERS = re.compile(r"= alloca [\[{][^\n]*\bptr\b")
 def object_file(code: Code, symbol: str, processor: Processor) -> bytes:
     """The object file of a text's function under the name `symbol`: int32 symbol(now, next, state, constants).
 
-    It returns 0, and something else where the function has raised an exception. ParameterError if it calls what may
-    not be there.
+    It returns 0, and something else where the function has raised an exception, or answers so. ParameterError if it
+    calls what may not be there.
     """
     from llvmlite import binding
 
@@ -93,7 +106,8 @@ def object_file(code: Code, symbol: str, processor: Processor) -> bytes:
     text = _EXPONENTS.sub(r"@\1", _COUNTED.sub(_UNCOUNTED, _SHARED.sub("= internal global", _HEAD.sub("", text))))
     machine = processor.machine
     head = f'target triple = "{processor.triple}"\ntarget datalayout = "{machine.target_data}"\n'
-    module = binding.parse_assembly(f"{head}{text}{_CALLED.format(symbol=symbol, name=name)}")
+    called = _CALLED_CHECKED if "boundscheck=True" in code.text else _CALLED
+    module = binding.parse_assembly(f"{head}{text}{called.format(symbol=symbol, name=name)}")
     for function in module.functions:
         function.add_function_attribute("nounwind")
         if function.name != symbol and not function.is_declaration:

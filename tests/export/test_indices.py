@@ -1,0 +1,62 @@
+"""An index out of range in an exported law of one's own: a status, and nothing outside of the law's row is touched."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from ev_sim.export.content import Content
+from ev_sim.export.program import Program, build_program
+from ev_sim.export.targets import TARGETS
+from ev_sim.interface.driving import only_run, overrides
+
+LAW = '''
+from dataclasses import dataclass
+from ev_core.law import Wheels, WheelTorqueCommand, WheelTorqueRequest, compilable, entry, method, parameter, series
+
+@dataclass(frozen=True, slots=True)
+class P:
+    at: float = parameter(0.0, unit="1", low=-1e9, high=1e9, about="where a torque is kept")
+
+@dataclass(slots=True)
+class S:
+    steps: float = entry(unit="1")
+    kept: list[float] = series(5, unit="N m")
+    behind: float = entry(7.0, unit="1")
+
+@method("asr", "keeping", P, state=S)
+@compilable
+def keeping(p, s, request: WheelTorqueRequest) -> WheelTorqueCommand:
+    """Writes at any place of its five."""
+    s.steps = s.steps + 1.0
+    s.kept[int(p.at)] = request.drive.front_left
+    return WheelTorqueCommand(Wheels(s.steps, s.kept[int(p.at)], s.behind, 0.0), request.brake)
+'''
+TORQUE = 3.5  # of all wheels [N m]
+NOTHING = 1  # status: the first output is none
+
+
+@pytest.mark.parametrize("target", ["x86_64-linux", "aarch64-linux", "thumbv7em"])
+def test_an_index_out_of_range_is_a_status_and_the_step_is_none(target: str, tmp_path: Path):
+    """The state stays what it was, so the next step with an index within its range goes on from there."""
+    words = (TARGETS[target].compiler, *TARGETS[target].emulator[:1])
+    if lacking := next((word for word in words if not shutil.which(word)), ""):
+        pytest.skip(f"{lacking} is not installed")
+    (tmp_path / "keeping.py").write_text(LAW)
+    run = only_run("shchur2019", "", overrides(method={"asr": str(tmp_path / "keeping.py")}))
+    content = Content(run, only=["asr"], bare=True)
+    inputs = [TORQUE] * len(content.inputs)
+    (at,) = (tunable.name for part in content.parts for tunable in part.tunables)
+    assert at == "asr.at"
+    with Program(content, build_program(content, TARGETS[target], tmp_path)) as program:
+        program.create()
+        status, outputs = program.step(inputs)
+        assert (status, outputs[:3]) == (0, [1.0, TORQUE, 7.0])
+        for index in (5.0, 6.0, 1e3, 1e9, -6.0, -1e9):
+            assert program.set_parameter(0, index) == 0
+            assert program.step(inputs)[0] == NOTHING
+        assert program.set_parameter(0, -1.0) == 0
+        status, outputs = program.step(inputs)
+        assert (status, outputs[:3]) == (0, [2.0, TORQUE, 7.0])
