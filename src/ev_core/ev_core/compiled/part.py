@@ -146,11 +146,13 @@ class CompiledPart:
         self.refuse_not_finite(there)
 
     def _fails(self, here: Frame | None, there: Frame) -> bool:
-        def call() -> int:
-            status: int = self._call(here and here.address, there.address, *self._memory)
-            return status
-
-        return (interruptible(call) if self.is_checked else call()) != 0
+        given = (here and here.address, there.address, *self._memory)
+        status: int
+        if self.is_checked:
+            status = interruptible(lambda: self._call(*given), (self, here, there))
+        else:
+            status = self._call(*given)
+        return status != 0
 
     def raised(self, numbers: Sequence[float] | None, state: np.ndarray | None = None) -> ValueError:
         """What the step raises that has just failed: plain Python takes it again, from the same state.
