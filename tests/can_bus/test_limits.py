@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 from ev_control.inverter_gateway.can import prepare
 from ev_control.inverter_gateway.gateway import GatewayParameters, LockstepGatewayParameters
 from ev_control.inverter_gateway.station import GatewayStation
+from ev_core.bus.checking import TOLERANCES, CheckState, check, is_valid, no_new_data
 from ev_core.bus.parameters import load_database
 from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
@@ -226,3 +228,28 @@ def test_a_database_with_an_offset_of_whole_steps_keeps_the_limits(tmp_path: Pat
     layout = bench_frames(load_database(str(file))).set_point
     assert rounded_down(layout.torque, 360.0) == 360.0
     assert rounded_down(layout.torque, 0.0) == 0.0
+
+
+@pytest.mark.parametrize("cycle", [1, 6, 7, 10])
+def test_a_motion_that_comes_too_seldom_to_be_taken_is_refused(tmp_path: Path, cycle: int):
+    """Up to 6 ms each frame is taken but the first two, by which a receiver synchronises; more seldom none is."""
+    text = FILE.read_text()
+    identifiers = re.findall(r"BO_ (\d+) \w+_Motion:", text)
+    for identifier in identifiers:
+        text = text.replace(f'"GenMsgCycleTime" BO_ {identifier} 1;', f'"GenMsgCycleTime" BO_ {identifier} {cycle};')
+    assert len(identifiers) == 4
+    file = tmp_path / "own.dbc"
+    file.write_text(text, encoding="cp1252")
+    if cycle > 6:
+        with pytest.raises(ParameterError, match=rf"^frame Drive11_Motion: a cycle of {cycle} ms is refused, expected"):
+            bench_frames(load_database(str(file)))
+    else:
+        assert bench_frames(load_database(str(file))).motion.ticks == cycle
+    layout, state, taken = ours()["Drive11_Motion"], CheckState(), []
+    for tick in range(20 * cycle):
+        if tick % cycle:
+            no_new_data(state)
+        else:
+            payload = int.from_bytes(layout.pack(dict.fromkeys(layout.signals, 0.0), tick // cycle % 15), "little")
+            taken.append(is_valid(check(TOLERANCES, state, payload, layout.length, layout.data_id)))
+    assert taken[2:] == [cycle <= 6] * 18

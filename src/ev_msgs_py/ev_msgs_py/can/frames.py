@@ -192,12 +192,13 @@ class BenchFrames:
 def bench_frames(database: Database) -> BenchFrames:
     """The frames in a database.
 
-    ParameterError if one is missing, if devices have different ones, or if a set-point cannot take the torque away.
+    ParameterError if one is missing, if devices have different ones, if a set-point cannot take the torque away, or if
+    motion comes so seldom that its receiver takes none.
     """
     heartbeat = database["Ecu_Heartbeat"]
     return BenchFrames(
         set_point=_set_point(database),
-        motion=_common(database, "Motion", MotionLayout),
+        motion=_motion(database),
         electrical=_common(database, "Electrical", ElectricalLayout),
         temperatures=_common(database, "Temperatures", TemperaturesLayout),
         faults=_common(database, "Faults", FaultsLayout),
@@ -229,6 +230,18 @@ def _set_point(database: Database) -> SetPointLayout:
                 f"frame {DEVICES[0]}_SetPoint, signal {name}: scale {field.scale:g}, offset {field.offset:g} and range "
                 f"{field.low:g} to {field.high:g} are refused, expected a signal that can be 0"
             )
+    return layout
+
+
+_SELDOM = 6  # ticks between frames; behind more than 5 without one, profile 1 begins anew (`checking.TOLERANCES`)
+
+
+def _motion(database: Database) -> MotionLayout:
+    layout: MotionLayout = _common(database, "Motion", MotionLayout)
+    if layout.ticks > _SELDOM:
+        raise ParameterError(
+            f"frame {DEVICES[0]}_Motion: a cycle of {layout.ticks:g} ms is refused, expected {_SELDOM} ms or less"
+        )
     return layout
 
 
