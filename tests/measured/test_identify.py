@@ -42,7 +42,9 @@ def test_a_simulated_car_with_noise_gives_back_its_parameters_within_their_inter
         low, high = each["interval"]
         width = max(high - low, 4.0 * each["deviation"])
         assert abs(each["value"] - truth[name]) < width, name
-        assert width < 0.25 * max(abs(truth[name]), 0.02), name  # known to some per cent, the offset to 0.3 deg
+        # Known to an eighth at the least, the offset to 0.15 deg: a fit of four windows has a deviation of 1.4 % of the
+        # yaw inertia, but its bootstrap is stretched by Student's quantile of three degrees of freedom, 3.2 for 1.96.
+        assert width < 0.25 * max(abs(truth[name]), 0.02), name
     assert found["identified"]["vehicle.yaw_inertia"]["source"].startswith("identified from made.csv, SHA-256 ")
     errors = found["before_and_after"]["held out"]["twist.yaw_rate"]
     assert errors["rms_after"] == pytest.approx(0.01, rel=0.2)  # the noise is what is left

@@ -63,6 +63,23 @@ def test_a_list_without_cars_or_with_a_class_missing_is_refused(tmp_path):
         read_assumptions(file)
 
 
+def test_a_car_is_new_unless_the_assumptions_were_fitted_to_its_code(tmp_path):
+    """A list of other cars is all new, whatever its order; a fitted code of the shipped assumptions is not."""
+    known = sorted(read_assumptions().fitted)[0]
+    file = listed(tmp_path, [car("X", DRIVES[0]), car(known, DRIVES[0]), car("Y", DRIVES[1])])
+    given = SimpleNamespace(cars=file, assumptions=None, fit=False, only=[])
+    driven = SimpleNamespace(measured={"consumption": 150.0})
+    results = dict.fromkeys([case.name for case in energy.cases(given)], driven)
+    assert [row[2] for row in energy.rows(given, results)] == ["new", "fit", "new"]
+    numbers = energy.metrics(given, results)
+    assert set(numbers) == {
+        f"{name}{part}" for name in ("median_error", "ninety_percent_within") for part in ("", "_new")
+    }
+    shown = energy.tables(given, results)
+    assert "cars that the assumptions were not fitted to: median error" in shown
+    assert known in shown and "fitted  " not in shown
+
+
 @pytest.mark.weekly
 @pytest.mark.slow
 @pytest.mark.parametrize("drive", DRIVES)
@@ -90,6 +107,7 @@ def test_a_fit_finds_assumptions_that_made_the_numbers(tmp_path):
     kept = held_out(made)
     assert len(kept) == 4
     found = fit([each for each in made if each.vehicle not in kept])
+    assert found.fitted == {each.vehicle for each in made} - kept
     for each in made:
         for cycle in CYCLES:
             assert consumption(each, cycle, found) == pytest.approx(each.measured[cycle], rel=0.01)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -25,6 +25,7 @@ POUND, POUND_FORCE, MILE_PER_HOUR, MILE = 0.45359237, 4.4482216, 0.44704, 1609.3
 ENERGY_OF_A_GALLON = 33_705.0  # W h, of gasoline: what the EPA's miles per gallon equivalent count
 REFERENCE_MASS = 2000.0  # kg: idle and copper losses are in proportion to the car's mass over this
 CLASSES, ASSUMPTIONS = "energy/drive_classes.csv", "energy/assumptions.csv"
+FITTED = "fitted"  # quantity of a row of the assumptions whose class is the code of a vehicle that they were fitted to
 _ONE, _TWO = "one machine", "two machines"  # of cars that no line of the classes names, by their driven axles
 _MOST = 1 << 22  # bytes of a file
 _INTERVAL = 0.2  # s, of the sums
@@ -50,7 +51,8 @@ class Assumptions:
     """What is assumed of all cars, and of each class of drives: idle force [N] and recovery [m/s^2].
 
     `copper` is a loss over the squared force at the wheels [W/N^2], `idle` a force that the machines take at any speed,
-    both for a car of REFERENCE_MASS; `recovery` is the deceleration up to which the drives brake.
+    both for a car of REFERENCE_MASS; `recovery` is the deceleration up to which the drives brake. `fitted` has the
+    codes of the vehicles that they were fitted to: other cars are new to them.
     """
 
     gear_efficiency: float
@@ -59,6 +61,7 @@ class Assumptions:
     charger_efficiency: float
     idle: Mapping[str, float]
     recovery: Mapping[str, float]
+    fitted: frozenset[str] = frozenset()
 
 
 def read_cars(file: Path | str) -> list[ElectricCar]:
@@ -136,7 +139,11 @@ def read_assumptions(file: Path | str | None = None) -> Assumptions:
     """Those of a file such as `config/energy/assumptions.csv`, which is the default; ParameterError if one lacks."""
     path = find_file(ASSUMPTIONS) if file is None else Path(file)
     values: dict[tuple[str, str], float] = {}
+    fitted = set()
     for line, row in enumerate(_rows(path), 2):
+        if row.get("quantity") == FITTED:
+            fitted.add(row.get("class") or "")
+            continue
         try:
             values[row["quantity"], row["class"]] = float(row["value"])
         except (KeyError, TypeError, ValueError):
@@ -149,6 +156,7 @@ def read_assumptions(file: Path | str | None = None) -> Assumptions:
             *(values[name, "all"] for name in ("gear_efficiency", "copper", "auxiliary_power", "charger_efficiency")),
             idle={drive: values["idle", drive] for drive in classes},
             recovery={drive: values["recovery", drive] for drive in classes},
+            fitted=frozenset(fitted),
         )
     except KeyError as error:
         quantity, drive = error.args[0]
@@ -216,17 +224,19 @@ def fit(cars: Sequence[ElectricCar]) -> Assumptions:
 
     bounds = ((low - expected) / firm - 1e-12, (high - expected) / firm)
     start = np.clip(np.zeros(len(names)), bounds[0] + 1e-6, bounds[1] - 1e-6)
-    return assumptions(least_squares(residuals, start, bounds=bounds, loss="soft_l1").x)
+    found = assumptions(least_squares(residuals, start, bounds=bounds, loss="soft_l1").x)
+    return replace(found, fitted=frozenset(car.vehicle for car in cars))
 
 
 def held_out(cars: Sequence[ElectricCar]) -> set[str]:
-    """The vehicles of every third place in the order of their codes, all configurations of each: no fit sees them."""
+    """The vehicles of every third place in the order of their codes, with all configurations: not for `--fit`."""
     return set(sorted({car.vehicle for car in cars})[::3])
 
 
 def assumption_rows(a: Assumptions) -> list[tuple[str, str, str, str]]:
-    """Quantity, class, value and unit, as in the file of the assumptions."""
+    """Quantity, class, value and unit, as in the file of the assumptions; the fitted vehicles last."""
     units = {"gear_efficiency": "1", "copper": "W/N^2", "auxiliary_power": "W", "charger_efficiency": "1"}
     rows = [(name, "all", f"{getattr(a, name):.4g}", unit) for name, unit in units.items()]
     rows += [("idle", drive, f"{force:.3g}", "N") for drive, force in a.idle.items()]
-    return rows + [("recovery", drive, f"{limit:.3g}", "m/s^2") for drive, limit in a.recovery.items()]
+    rows += [("recovery", drive, f"{limit:.3g}", "m/s^2") for drive, limit in a.recovery.items()]
+    return rows + [(FITTED, vehicle, "", "") for vehicle in sorted(a.fitted)]

@@ -25,6 +25,7 @@ from ev_sim.scenarios.about import vehicle_of
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.electric_cars import (
     CYCLES,
+    FITTED,
     REFERENCE_MASS,
     Assumptions,
     ElectricCar,
@@ -43,7 +44,7 @@ LEFT = 3
 SUMS = ("median", "ninety")
 _SCENARIO, _VEHICLE = "coast_down", "compact_ev"
 _NO_LIMIT, _LARGE_TORQUE = 5e6, 2e4  # W, N m
-_FIT, _HELD = "fit", "held out"
+_FIT, _NEW = "fit", "new"
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -144,22 +145,22 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
 
 
 def _compared(given: argparse.Namespace, results: Results) -> list[tuple[ElectricCar, bool, list[tuple[float, float]]]]:
-    """Each car that was driven, whether no fit has seen it, and by cycle ours and the measured consumption [W h/km]."""
-    charger, kept = _assumptions(given).charger_efficiency, held_out(read_cars(given.cars))
+    """Each car that was driven, whether it is new to the assumptions, and by cycle ours and measured [W h/km]."""
+    assumed = _assumptions(given)
     found = []
     for car in _cars(given):
         driven = [results[f"{car.name}: {cycle}"].measured for cycle in CYCLES]
         if all(driven):
-            ours = (each["consumption"] / charger for each in driven)
-            found.append((car, car.vehicle in kept, list(zip(ours, car.measured.values(), strict=True))))
+            ours = (each["consumption"] / assumed.charger_efficiency for each in driven)
+            found.append((car, car.vehicle not in assumed.fitted, list(zip(ours, car.measured.values(), strict=True))))
     return found
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
-    """Median and ninetieth percentile of the relative error, of all cars and of those that were held out."""
+    """Median and ninetieth percentile of the relative error, of all cars and of those new to the assumptions."""
     compared = _compared(given, results)
     found = {}
-    for part, of in (("", compared), ("_held_out", [each for each in compared if each[1]])):
+    for part, of in (("", compared), ("_new", [each for each in compared if each[1]])):
         errors = [abs(ours / measured - 1.0) for _, _, pairs in of for ours, measured in pairs]
         if errors:
             found[f"median_error{part}"] = Metric(float(np.median(errors)), "1")
@@ -168,22 +169,31 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
-    """Car, class of its drive, whether it was held out; by cycle ours, the measured consumption, and the error."""
+    """Car, class of its drive, whether it was fitted or is new; by cycle ours, what was measured, and the error."""
     return [
         (
-            *(car.name, car.drive, _HELD if kept else _FIT),
+            *(car.name, car.drive, _NEW if new else _FIT),
             *(
                 text
                 for ours, measured in pairs
                 for text in (f"{ours:.0f}", f"{measured:.0f}", f"{100 * (ours / measured - 1):+.1f} %")
             ),
         )
-        for car, kept, pairs in _compared(given, results)
+        for car, new, pairs in _compared(given, results)
     ]
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
-    """The assumptions, and the rows."""
+    """The assumptions, the rows, and the errors in sum."""
     names = ("quantity", "class", "value", "unit")
-    assumed = text_table(names, assumption_rows(_assumptions(given)), left=names[:2])
-    return f"{assumed}\n\n{text_table(COLUMNS, rows(given, results), left=COLUMNS[:LEFT])}"
+    # The codes of the fitted cars only for a fit of this list, whose assumptions somebody may want to keep.
+    shown = [row for row in assumption_rows(_assumptions(given)) if given.fit or row[0] != FITTED]
+    assumed = text_table(names, shown, left=names[:2])
+    errors = {name: 100.0 * float(metric.value or 0.0) for name, metric in metrics(given, results).items()}
+    sums = [
+        f"{which}: median error {errors[f'median_error{part}']:.1f} %, 90 % of the rows within "
+        f"{errors[f'ninety_percent_within{part}']:.1f} %"
+        for part, which in (("", "all cars"), ("_new", "cars that the assumptions were not fitted to"))
+        if f"median_error{part}" in errors
+    ]
+    return "\n".join([assumed, "", text_table(COLUMNS, rows(given, results), left=COLUMNS[:LEFT]), *sums])
