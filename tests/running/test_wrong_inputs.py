@@ -58,7 +58,7 @@ def refused(*words: str, out: Path) -> str:
         ),
         (
             ["double_lane_change", "--offline", "--set", "*.vehicle.tyre.curve=magic_formula"],
-            "plant: vehicle.tyre.coefficients [0.0, 0.0, 0.0, 0.0] give no friction: curve magic_formula needs",
+            "driver: vehicle.tyre.coefficients [0.0, 0.0, 0.0, 0.0] give no friction: curve magic_formula needs",
         ),
         (
             ["shchur2019", "--offline", "--set", "vehicle.mass=1000"],
@@ -67,11 +67,11 @@ def refused(*words: str, out: Path) -> str:
         ),
         (
             ["shchur2019", "--offline", "--set", "*.vehicle.driven_wheels=[front_left, front_left]"],
-            "plant: vehicle.driven_wheels names a wheel twice: front_left, front_left",
+            "driver: vehicle.driven_wheels names a wheel twice: front_left, front_left",
         ),
         (
             ["shchur2019", "--offline", "--set", "*.vehicle.maximum_road_wheel_angle=1.4"],
-            "plant: vehicle.maximum_road_wheel_angle: 1.4 is refused, allowed is below 1.276, where by "
+            "driver: vehicle.maximum_road_wheel_angle: 1.4 is refused, allowed is below 1.276, where by "
             "steering_geometry ackermann the inner front wheel stands across the car",
         ),
         (

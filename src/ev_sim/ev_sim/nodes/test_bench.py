@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
@@ -33,11 +33,11 @@ class TestBenchNode(SteppedNode):
             self._serve(f"choose_{chosen}", partial(self._after, "choose", chosen))
         self._serve("emergency_stop", lambda: self.sequence.stopped())
 
-    def successor(self, configuration: Configuration) -> Part:
+    def successor(self, configuration: Configuration, changed: Iterable[str] = ()) -> Part:
         """What goes on with other parameters; ValueError if they enable what the emergency switch has disabled."""
         if self.sequence.emergency and configuration.values()[_ENABLED] != "none":
             raise ValueError(f"{_ENABLED} is refused after an emergency stop, allowed is none until disconnect")
-        return super().successor(configuration)
+        return super().successor(configuration, changed)
 
     def reconfigured(self) -> None:
         """Enabling circuits by the parameter leads to the place in the sequence where they are enabled."""
