@@ -74,7 +74,7 @@ def motor_map(folder: Path) -> dict[str, float]:
 
 
 def electric_cars(folder: Path) -> dict[str, float]:
-    """Errors of the study `energy` on all cars of the list and on those that no fit has seen, in per cent."""
+    """Errors of the study `energy` on all cars of the list and on those new to the assumptions, in per cent."""
     given = argparse.Namespace(cars=folder / "epa_2022_electric_cars.csv", assumptions=None, fit=False, only=[])
     cases = energy.cases(given)
     results = dict(zip([case.name for case in cases], drive_cases(cases, energy.measure), strict=True))
