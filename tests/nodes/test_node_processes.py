@@ -267,6 +267,10 @@ BAD = {
     "no YAML": (["--ros-args", "-p", "vehicle.mass:=[1, two]"], "vehicle.mass"),
     "missing file": (["--ros-args", "--params-file", "/no/such/file.yaml"], "/no/such/file.yaml"),
     "unknown ROS argument": (["--ros-args", "--fly"], "--fly"),
+    "a name that the others do not know": (
+        ["--ros-args", "-r", "__node:=tc"],
+        "__node: 'tc' is refused, expected driver",
+    ),
     "argument without --ros-args": (["-p", "vehicle.mass:=3000.0"], "--ros-args"),
 }
 
@@ -278,6 +282,14 @@ def test_bad_input_is_one_line_and_status_1(words, named):
     assert process.returncode == 1
     assert said.count("\n") == 1 and said.startswith("driver: ")
     assert named in said
+
+
+@pytest.mark.parametrize("word", ["-h", "--help"])
+def test_a_node_shows_how_it_is_called(word):
+    process = start([*command("driver"), word])
+    said, _ = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0
+    assert said.startswith("usage: driver [--ros-args ")
 
 
 @pytest.mark.parametrize("text", ["/ev/NODE: {ros__parameters: {}}", "ev: {NODE: {ros__parameters: {}}}"])

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from importlib.metadata import version
+from types import SimpleNamespace
 
 import pytest
 import yaml
@@ -17,7 +18,7 @@ from run_script import ENVIRONMENT, ROOT, Running
 from ev_core.nodes.stop_request import KEPT
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.commands import present_graph
+from ev_sim.commands import live_graph, present_graph
 from ev_sim.commands.ev_stack import perform
 from ev_sim.running.domain import free_domain
 
@@ -139,6 +140,66 @@ def test_parameters_are_shown_set_and_dumped_as_yaml(shell):
     assert set(file) == {f"{NAMESPACE}/{name}" for name in NODES}
     assert file["/ev/plant"]["ros__parameters"]["real_time_factor"] == 0.5
     assert file["/ev/driver"]["ros__parameters"] == yaml.safe_load(shell("param", "get", "driver"))
+
+
+def test_topics_are_listed_measured_and_described_as_ros2_does(shell):
+    assert "/ev/wheel_states\n" in shell("topic", "list")
+    assert "/ev/wheel_states [sensor_msgs/msg/JointState]\n" in shell("topic", "list", "-t")
+    assert re.fullmatch(r"average rate: \d+\.\d Hz\n", shell("topic", "hz", "wheel_states", "--seconds", "0.5"))
+    count, ends = (shell("topic", "info", "wheel_states", *words) for words in ((), ("-v",)))
+    assert re.match(r"Type: sensor_msgs/msg/JointState\nPublisher count: 1\nSubscription count: \d\n", count)
+    assert "Publisher count: 1\n  /ev/plant: reliable, volatile\n" in ends
+    assert "no topic '/ev/nothing'; known: " in shell.refused("topic", "info", "nothing")
+
+
+def test_parameters_are_listed_and_options_may_stand_behind_the_verb(shell):
+    listed = shell("param", "list", "plant", "--namespace", "/ev")
+    assert listed.startswith("/ev/plant:\n  ") and "  real_time_factor\n" in listed
+    assert shell("param", "list").count(":\n") == len(NODES)
+
+
+def test_an_absolute_name_needs_no_graph_to_be_chosen(shell, monkeypatch):
+    """With two cars in a domain there is no single master of time."""
+
+    def several(*_):
+        raise LookupError("several are there")
+
+    monkeypatch.setattr("ev_sim.commands.shell.master_namespace", several)
+    assert set(yaml.safe_load(shell("topic", "echo", "/clock", "--once"))["clock"]) == {"sec", "nanosec"}
+    assert "several are there" in shell.refused("topic", "echo", "wheel_states")
+
+
+class AtHundredHertz:
+    """A graph in which each topic has 100 messages a second, and a subscription takes 50 ms to be made."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+
+    def create_subscription(self, kind, *_, **__):
+        self.now += 0.05
+        begun, taken = self.now, 0
+
+        def take(*_):
+            nonlocal taken
+            is_there = taken < int((self.now - begun) * 100.0)
+            taken += is_there
+            return taken if is_there else None
+
+        return SimpleNamespace(handle=SimpleNamespace(take_message=take), msg_type=kind)
+
+
+def test_rates_are_of_one_time_for_all_topics(monkeypatch):
+    """To one message at either end of the two seconds."""
+    clock = AtHundredHertz()
+    monkeypatch.setattr(live_graph, "time", clock)
+    topics = dict.fromkeys(("a", "b", "c", "d"), "std_msgs/msg/Header")
+    assert live_graph._rates(clock, topics, 2.0) == pytest.approx(dict.fromkeys(topics, 100.0), abs=1.0)
 
 
 def test_what_cannot_be_done_is_one_line(shell):

@@ -27,7 +27,7 @@ from ev_core.nodes.stepped_node import SteppedNode
 from ev_core.nodes.stop_request import KEPT, StopRequest, end, turn_deaf
 from ev_core.nodes.time_of_day import refuse_late_time_of_day, too_late
 from ev_core.parameters.data_file import entry_points
-from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
 from ev_msgs_py.refusal import LINE, quoted, shown
 
 
@@ -111,17 +111,28 @@ def run_named_role() -> None:
     run_role(Path(sys.argv[0]).name)
 
 
+_USAGE = """usage: {name} [--ros-args [-r __ns:=/NAME] [-p PARAMETER:=VALUE ...] [--params-file FILE] ...]
+Parameters: docs/parameters.md; of a running node: ev-stack param get {name}."""
+
+
 def run_node(name: str, make: Callable[[], Any]) -> None:
     """Make a node, spin it, and turn refused input into one line and exit status 1; no signal counts behind that."""
     with StopRequest() as stop:
         node, trouble = None, ""
         try:
-            if others := remove_ros_args(sys.argv)[1:]:  # ROS would silently ignore them: no --ros-args before them
+            others = remove_ros_args(sys.argv)[1:]
+            if others and others[0] in ("-h", "--help"):
+                print(_USAGE.format(name=name))
+                end("")
+            if others:  # ROS would silently ignore them: no --ros-args before them
                 raise ValueError(f"unknown argument {quoted(others[0])}; options of a node follow --ros-args")
             refuse_weak_security(os.environ)
             refuse_late_time_of_day()
             rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
             node = make()
+            own = node.get_name()
+            if own != name and name in (*ROLES, RECORDER):  # nobody would take its messages
+                raise ValueError(f"__node: {quoted(own)} is refused, expected {name}, as the others know it")
             if SILENTLY not in os.environ:  # a runner knows by itself
                 node.get_logger().info(f"ready, in ROS domain {node.context.get_domain_id()}")
             try:

@@ -55,7 +55,7 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
     "step": ("shell.step", "let one step pass, or N, and stand still"),
     "reset": ("shell.reset", "begin anew at time zero"),
     "bridge": ("bridges.bridge", "nodes for simulation_interfaces, Autoware, ackermann_msgs: bridge KIND"),
-    "topic": ("shell.topic", "messages of a running graph as YAML: topic echo NAME"),
+    "topic": ("live_graph.topic", "topics of a running graph: topic list, echo NAME, hz NAME, info NAME"),
     "inspect": ("live_graph.inspect", "show the running graph: nodes, topics, rates"),
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Iterator
 from contextlib import suppress
 
 import rclpy
@@ -12,6 +13,7 @@ from rclpy.exceptions import InvalidNamespaceException
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
 from rclpy.validate_namespace import validate_namespace
 
 from ev_core.nodes.stop_request import StopRequest
@@ -20,10 +22,11 @@ from ev_msgs_py.refusal import LINE, shown
 from ev_msgs_py.wire import message_class
 from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.commands.present_graph import full_names, in_the_graph
-from ev_sim.commands.shell import messages, topics_of
+from ev_sim.commands.shell import Shell, messages, parser_of, shell_in, topics_of, type_of, verb_of
 from ev_sim.recording.outcome import RunFailed
 
 _OWN_NAME = "inspect_graph"
+_JOINS = 0.2  # s for publishers to find a subscription
 
 
 def inspect(argv: list[str]) -> None:
@@ -49,32 +52,42 @@ def _positive(text: str) -> float:
     return seconds
 
 
-def _count(node: Node, topics: dict[str, str], seconds: float) -> dict[str, int]:
-    """Messages per topic within a time; topics whose message package is not installed are left out."""
+def _rates(node: Node, topics: dict[str, str], seconds: float) -> dict[str, float]:
+    """Messages per second [Hz] by topic, in one time for all; without topics whose message type is not installed."""
     quality = QoSProfile(depth=1000)
     subscriptions = {}
     for name, kind in topics.items():
         with suppress(ImportError):
             type_ = message_class(kind)
             subscriptions[name] = node.create_subscription(type_, name, lambda message: None, quality, raw=True)
+    time.sleep(_JOINS)
+    for subscription in subscriptions.values():
+        _taken(subscription)  # what came while the others were being made
     counts = dict.fromkeys(subscriptions, 0)
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
+    begun = time.monotonic()
+    while (lasted := time.monotonic() - begun) < seconds:
         time.sleep(0.02)
         for name, subscription in subscriptions.items():
-            while subscription.handle.take_message(subscription.msg_type, True) is not None:
-                counts[name] += 1
-    return counts
+            counts[name] += _taken(subscription)
+    return {name: count / lasted for name, count in counts.items()}
+
+
+def _taken(subscription: Subscription) -> int:
+    """How many messages have come since the last look."""
+    count = 0
+    while subscription.handle.take_message(subscription.msg_type, True) is not None:
+        count += 1
+    return count
 
 
 def _graph(node: Node, seconds: float) -> list[str]:
     topics = topics_of(node)
     writers = {name: _names(node.get_publishers_info_by_topic(name)) for name in topics}
     readers = {name: _names(node.get_subscriptions_info_by_topic(name)) for name in topics}
-    counts = _count(node, topics, seconds)
+    rates = _rates(node, topics, seconds)
     lines = ["nodes", *(f"  {name}" for name in full_names(node)), "", "topics"]
     for name, kind in topics.items():
-        rate = f"{counts[name] / seconds:.1f} Hz" if name in counts else "message type is not installed"
+        rate = f"{rates[name]:.1f} Hz" if name in rates else "message type is not installed"
         lines.append(f"  {name}  {kind}  {rate}")
         lines.append(f"    {', '.join(writers[name]) or 'nobody'} -> {', '.join(readers[name]) or 'nobody'}")
     return lines
@@ -82,6 +95,57 @@ def _graph(node: Node, seconds: float) -> list[str]:
 
 def _names(ends: list) -> list[str]:
     return sorted({end.node_name for end in ends} - {_OWN_NAME})
+
+
+def topic(argv: list[str]) -> None:
+    """ev-stack topic list [-t] | echo TOPIC [--once] | hz TOPIC [--seconds S] | info TOPIC"""
+    parser = parser_of("topic", "Show topics, their messages as YAML, their rates and their ends.")
+    verbs = parser.add_subparsers(dest="what", required=True, metavar="list|echo|hz|info", parser_class=Parser)
+    listed, echo, hz, info = (verb_of(verbs, name) for name in ("list", "echo", "hz", "info"))
+    listed.add_argument("-t", "--show-types", action="store_true", help="with their types")
+    for each in (echo, hz, info):
+        each.add_argument("topic", help="such as wheel_states, or a full name such as /diagnostics")
+    echo.add_argument("--once", action="store_true", help="one message and end")
+    hz.add_argument("--seconds", type=_positive, default=2.0, help="how long it is measured")
+    info.add_argument("-v", "--verbose", action="store_true", help="with the nodes and their quality of service")
+    given = parser.parse_args(argv)
+    with suppress(KeyboardInterrupt), shell_in(given.namespace) as shell:
+        for text in {"list": _list, "echo": _echo, "hz": _hz, "info": _info}[given.what](shell, given):
+            print(text, flush=True)
+
+
+def _list(shell: Shell, given: argparse.Namespace) -> Iterator[str]:
+    for name, kind in topics_of(shell.node).items():
+        yield f"{name} [{kind}]" if given.show_types else name
+
+
+def _echo(shell: Shell, given: argparse.Namespace) -> Iterator[str]:
+    for text in messages(shell.node, shell.full_name(given.topic)):
+        yield text.removesuffix("\n")
+        if given.once:
+            return
+        yield "---"
+
+
+def _hz(shell: Shell, given: argparse.Namespace) -> Iterator[str]:
+    name = shell.full_name(given.topic)
+    for rate in _rates(shell.node, {name: type_of(shell.node, name)}, given.seconds).values():
+        yield f"average rate: {rate:.1f} Hz"
+
+
+def _info(shell: Shell, given: argparse.Namespace) -> Iterator[str]:
+    name = shell.full_name(given.topic)
+    yield f"Type: {type_of(shell.node, name)}"
+    node = shell.node
+    for side, ends in (
+        ("Publisher", node.get_publishers_info_by_topic(name)),
+        ("Subscription", node.get_subscriptions_info_by_topic(name)),
+    ):
+        yield f"{side} count: {len(ends)}"
+        for end in ends if given.verbose else ():
+            quality = end.qos_profile
+            words = f"{quality.reliability.name}, {quality.durability.name}".lower()
+            yield f"  {end.node_namespace.rstrip('/')}/{end.node_name}: {words}"
 
 
 _ABOUT_POLICIES = "Write the policy file of the graph for DDS security, or hold the running graph against it."

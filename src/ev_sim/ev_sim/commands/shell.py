@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import sys
 import time
+from argparse import SUPPRESS
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
-from functools import partial
+from contextlib import contextmanager
+from functools import cached_property, partial
 from typing import Any
 
 import yaml
@@ -33,13 +34,18 @@ _NAME = "ev_stack_shell"
 _PATIENCE = 5.0  # s for a node to answer
 
 
-class _Shell:
+class Shell:
     """Asks the nodes of a graph; LookupError, in one line, for what is not there or does not answer."""
 
     def __init__(self, node: Node, namespace: str | None) -> None:
-        self.node, self.namespace = node, master_namespace(node, namespace)
+        self.node, self._wanted = node, namespace
         self._executor = SingleThreadedExecutor(context=node.context)
         self._executor.add_node(node)
+
+    @cached_property
+    def namespace(self) -> str:
+        """That of the graph; names that are absolute need none."""
+        return master_namespace(self.node, self._wanted)
 
     def close(self) -> None:
         """Ask nobody any more."""
@@ -95,10 +101,11 @@ def _plain(value: Any) -> Any:
 
 
 @contextmanager
-def _shell(namespace: str | None) -> Iterator[_Shell]:
+def shell_in(namespace: str | None) -> Iterator[Shell]:
+    """Asks the present graph; what cannot be done ends the process with one line."""
     try:
         with in_the_graph(_NAME) as node:
-            shell = _Shell(node, namespace)
+            shell = Shell(node, namespace)
             try:
                 yield shell
             finally:
@@ -107,7 +114,8 @@ def _shell(namespace: str | None) -> Iterator[_Shell]:
         refuse(error.args[0])
 
 
-def _parser(name: str, about: str) -> Parser:
+def parser_of(name: str, about: str) -> Parser:
+    """Words of a command for a running graph."""
     parser = Parser(
         prog=f"ev-stack {name}",
         description=f"{about} Of the run under way, of several ROS_DOMAIN_ID=N says which; nodes started by hand "
@@ -117,12 +125,20 @@ def _parser(name: str, about: str) -> Parser:
     return parser
 
 
+def verb_of(verbs: Any, name: str) -> Parser:
+    """A verb, behind which options may stand as in the ros2 command."""
+    parser: Parser = verbs.add_parser(name)
+    about = "of the graph, where a domain has several"
+    parser.add_argument("--namespace", metavar="/NAME", default=SUPPRESS, help=about)
+    return parser
+
+
 def _control_time(service: str, argv: Sequence[str]) -> None:
-    parser = _parser(service, _ABOUT_TIME[service])
+    parser = parser_of(service, _ABOUT_TIME[service])
     if service == "step":
         parser.add_argument("count", nargs="?", type=_positive, default=1, help="of steps, default 1")
     given = parser.parse_args(argv)
-    with _shell(given.namespace) as shell:
+    with shell_in(given.namespace) as shell:
         for _ in range(getattr(given, "count", 1)):
             answer = shell.call(service)
         print(answer)
@@ -145,22 +161,23 @@ pause, resume, step, reset = (partial(_control_time, service) for service in _AB
 
 
 def param(argv: Sequence[str]) -> None:
-    """ev-stack param get NODE [NAME] | set NODE NAME VALUE | dump [NODE]"""
-    parser = _parser("param", "Show and set parameters of nodes, as YAML.")
-    what = parser.add_subparsers(dest="what", required=True, metavar="get|set|dump", parser_class=Parser)
-    get, put, dump = (what.add_parser(name) for name in ("get", "set", "dump"))
+    """ev-stack param list [NODE] | get NODE [NAME] | set NODE NAME VALUE | dump [NODE]"""
+    parser = parser_of("param", "Show and set parameters of nodes, as YAML.")
+    what = parser.add_subparsers(dest="what", required=True, metavar="list|get|set|dump", parser_class=Parser)
+    listed, get, put, dump = (verb_of(what, name) for name in ("list", "get", "set", "dump"))
     for each in (get, put):
         each.add_argument("node", help="such as plant, or a full name")
     get.add_argument("name", nargs="?", help="of the parameter; default: all")
     put.add_argument("name")
     put.add_argument("value", help="as in YAML")
-    dump.add_argument("node", nargs="*", help="default: all nodes of the graph that have parameters")
+    for each in (listed, dump):
+        each.add_argument("node", nargs="*", help="default: all nodes of the graph that have parameters")
     given = parser.parse_args(argv)
-    with _shell(given.namespace) as shell:
-        print({"get": _get, "set": _set, "dump": _dump}[given.what](shell, given), end="")
+    with shell_in(given.namespace) as shell:
+        print({"list": _list, "get": _get, "set": _set, "dump": _dump}[given.what](shell, given), end="")
 
 
-def _get(shell: _Shell, given: Any) -> str:
+def _get(shell: Shell, given: Any) -> str:
     _, there = shell.parameters_of(given.node)
     if given.name is None:
         return as_yaml({name: each.value for name, each in there.items()})
@@ -175,7 +192,7 @@ def _known(given: Any, there: dict[str, Parameter]) -> Parameter:
     return there[given.name]
 
 
-def _set(shell: _Shell, given: Any) -> str:
+def _set(shell: Shell, given: Any) -> str:
     client, there = shell.parameters_of(given.node)
     before = _known(given, there)
     try:
@@ -188,26 +205,19 @@ def _set(shell: _Shell, given: Any) -> str:
     return f"{given.node}.{given.name}: {before.value} -> {_plain(parameter.value)}\n"
 
 
-def _dump(shell: _Shell, given: Any) -> str:
+def _all(shell: Shell, given: Any) -> dict[str, dict[str, Parameter]]:
     nodes = given.node or [each for each in full_names(shell.node) if shell.has_parameters(each)]
-    found = {shell.full_name(node): shell.parameters_of(node)[1] for node in nodes}
-    values = {node: {name: each.value for name, each in there.items()} for node, there in found.items()}
+    return {shell.full_name(node): shell.parameters_of(node)[1] for node in nodes}
+
+
+def _list(shell: Shell, given: Any) -> str:
+    found = _all(shell, given).items()
+    return "".join(f"{node}:\n" + "".join(f"  {name}\n" for name in there) for node, there in found)
+
+
+def _dump(shell: Shell, given: Any) -> str:
+    values = {node: {name: each.value for name, each in there.items()} for node, there in _all(shell, given).items()}
     return as_yaml({node: {"ros__parameters": each} for node, each in values.items()})
-
-
-def topic(argv: Sequence[str]) -> None:
-    """ev-stack topic echo TOPIC [--once]"""
-    parser = _parser("topic", "Print the messages of a topic as YAML, with a line of dashes behind each.")
-    parser.add_argument("what", choices=["echo"])
-    parser.add_argument("topic", help="such as wheel_states, or a full name such as /diagnostics")
-    parser.add_argument("--once", action="store_true", help="one message and end")
-    given = parser.parse_args(argv)
-    with suppress(KeyboardInterrupt), _shell(given.namespace) as shell:
-        for text in messages(shell.node, shell.full_name(given.topic)):
-            print(text, end="", flush=True)
-            if given.once:
-                return
-            print("---")
 
 
 _ROS_OWN = ("/parameter_events", "/rosout")
@@ -218,6 +228,14 @@ def topics_of(node: Node) -> dict[str, str]:
     return {name: types[0] for name, types in sorted(node.get_topic_names_and_types()) if name not in _ROS_OWN}
 
 
+def type_of(node: Node, name: str) -> str:
+    """The type of a topic; LookupError if there is no such topic."""
+    there = topics_of(node)
+    if name not in there:
+        raise LookupError(f"no topic {quoted(name)}; known: {', '.join(there) or 'none'}")
+    return there[name]
+
+
 _SILENCE = 2.0  # s of wall time without a message that are reported
 
 
@@ -226,13 +244,11 @@ def messages(node: Node, name: str) -> Iterator[str]:
 
     Where none comes, one line on standard error tells whether simulated time goes on.
     """
-    there = topics_of(node)
-    if name not in there:
-        raise LookupError(f"no topic {quoted(name)}; known: {', '.join(there) or 'none'}")
+    type_ = type_of(node, name)
     try:
-        kind = message_class(there[name])
+        kind = message_class(type_)
     except ImportError:
-        raise LookupError(f"{name} cannot be read: {there[name].partition('/')[0]} is not installed") from None
+        raise LookupError(f"{name} cannot be read: {type_.partition('/')[0]} is not installed") from None
     take = node.create_subscription(kind, name, lambda message: None, 10, raw=True).handle.take_message
     take_clock = node.create_subscription(Clock, "/clock", lambda message: None, 10, raw=True).handle.take_message
     report_at, times = time.monotonic() + _SILENCE, set[bytes]()
