@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from ev_sim.command_line.numbers import real, whole
 from ev_sim.command_line.options import arguments
 from ev_sim.command_line.paths import output_folder
+from ev_sim.commands import run_scenario
 
 
 @given(low=st.integers(-5, 5), width=st.integers(0, 10), text=st.one_of(st.integers(-20, 20).map(str), st.text()))
@@ -45,3 +46,13 @@ def test_an_output_folder_that_is_none_is_refused(out: str, capsys: pytest.Captu
 def test_an_output_folder_may_be_there_or_not(tmp_path: Path):
     assert output_folder(str(tmp_path)) == tmp_path
     assert output_folder(str(tmp_path / "new")) == tmp_path / "new"
+
+
+@pytest.mark.parametrize(
+    "words", [["sweep", "--seeds", "0"], ["benchmark", "--draws", "0"], ["tune", "off", "--draws", "0"]]
+)
+def test_commands_of_many_runs_show_how_python_came_to_an_error(words, capsys):
+    """As runs of a scenario do."""
+    with pytest.raises(SystemExit):
+        run_scenario.main([*words, "--traceback"])
+    assert "Traceback" in capsys.readouterr().err

@@ -50,7 +50,7 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     )
     parser.add_argument("--out", type=output_folder, metavar="DIR", help="output folder; default results/SCENARIO")
     parser.add_argument("--no-record", action="store_true", help="no bag; signals, metrics and figures all the same")
-    parser.add_argument(TRACEBACK, action="store_true", help="how Python came to an error, before its line")
+    add_traceback(parser)
     parser.add_argument("--list", action="store_true", help="show scenarios and methods, one line each")
     given = parser.parse_args(argv)
     given.command = command_of(sys.argv[1:] if argv is None else argv)
@@ -65,6 +65,11 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     if given.node and (given.offline or given.in_process):
         parser.error("--node starts a process: leave out --offline and --in-process")
     return given
+
+
+def add_traceback(parser: argparse.ArgumentParser) -> None:
+    """Declare the option that `run_scenario.main` looks for."""
+    parser.add_argument(TRACEBACK, action="store_true", help="how Python came to an error, before its line")
 
 
 def add_overrides(parser: argparse.ArgumentParser) -> None:

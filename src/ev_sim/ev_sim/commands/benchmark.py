@@ -26,7 +26,7 @@ from ev_sim.benchmark.ranking.result import BoardResult
 from ev_sim.benchmark.ranking.run_files import RUNS, write_runs
 from ev_sim.benchmark.ranking.tables import CELL_COLUMNS, SCORE_COLUMNS, cell_rows, closed_division, score_rows
 from ev_sim.benchmark.step_times import step_times
-from ev_sim.command_line.options import arguments, command_of
+from ev_sim.command_line.options import add_traceback, arguments, command_of
 from ev_sim.command_line.paths import output_folder
 from ev_sim.command_line.refusal import Parser
 from ev_sim.commands.drive_scenario import drive_scenario
@@ -159,6 +159,7 @@ def _parser() -> argparse.ArgumentParser:
     way.add_argument("--in-process", action="store_true", help="with --drive: all nodes in one process, over DDS")
     parser.add_argument("--no-report", action="store_true", help="neither report nor figure")
     parser.add_argument("--out", type=output_folder, metavar="DIR", help="output folder; default results/benchmark")
+    add_traceback(parser)
     return parser
 
 

@@ -17,7 +17,7 @@ from ev_sim.benchmark.board import COSTS, Board, by_role, read_board
 from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
 from ev_sim.benchmark.held_out import with_cases
 from ev_sim.benchmark.kept_cells import KeptCells
-from ev_sim.command_line.options import command_of
+from ev_sim.command_line.options import add_traceback, command_of
 from ev_sim.command_line.paths import output_folder
 from ev_sim.command_line.refusal import Parser
 from ev_sim.measured.journal import Journal
@@ -81,6 +81,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--cost", choices=COSTS, default=COSTS[0], help="default: %(default)s")
     parser.add_argument("--threads", type=int, metavar="N", help="default: one per core")
     parser.add_argument("--out", type=output_folder, metavar="DIR", help="output folder; default results/tune/LAW")
+    add_traceback(parser)
     return parser
 
 

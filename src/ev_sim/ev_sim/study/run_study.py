@@ -15,7 +15,7 @@ from typing import Any
 
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
 from ev_sim.command_line.numbers import whole
-from ev_sim.command_line.options import add_outputs, add_overrides, command_of, overrides, printing
+from ev_sim.command_line.options import add_outputs, add_overrides, add_traceback, command_of, overrides, printing
 from ev_sim.command_line.paths import output_folder
 from ev_sim.command_line.refusal import Parser
 from ev_sim.figures.saving import figure_files, save_figures
@@ -49,6 +49,7 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
     add_overrides(parser)
     add_outputs(parser)
+    add_traceback(parser)
     parser.add_argument(
         "--digits",
         type=whole(1),
