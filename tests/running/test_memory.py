@@ -39,6 +39,11 @@ def test_an_error_of_memory_is_called_that(monkeypatch):
     assert ended_by(MemoryError(), 1e9, monkeypatch) == "error: out of memory"
 
 
+def test_a_missing_file_is_named_where_no_memory_is_left_either(monkeypatch):
+    said = ended_by(OSError(2, "No such file or directory", "name"), 50e6, monkeypatch)
+    assert said == "error: name: No such file or directory"
+
+
 def test_other_errors_are_not_called_out_of_memory(monkeypatch):
     said = ended_by(OSError(2, "No such file or directory", "name"), 1e9, monkeypatch)
     assert said == "error: name: No such file or directory"

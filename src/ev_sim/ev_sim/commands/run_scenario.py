@@ -101,7 +101,9 @@ def _lacks_memory(error: BaseException) -> bool:
         if isinstance(cause, MemoryError):
             return True
         cause = cause.__cause__ or cause.__context__
-    return isinstance(error, (ImportError, OSError)) and free_memory() < _OF_A_LIBRARY
+    # An OSError with a number, such as that of a missing file, has a cause of its own.
+    of_a_library = isinstance(error, ImportError) or (isinstance(error, OSError) and error.errno is None)
+    return of_a_library and free_memory() < _OF_A_LIBRARY
 
 
 def free_memory() -> float:
