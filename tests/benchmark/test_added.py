@@ -51,7 +51,7 @@ def parameter_file(folder: Path, values: str) -> Path:
 
 
 def test_a_law_file_and_a_law_with_its_parameter_file_are_ranked_beside_the_others(tmp_path: Path):
-    """An allowed moment of 1 N m is no control: the law of the file costs what equal torques do, to 1 %."""
+    """An allowed moment of 1 N m is no control: it costs what equal torques do, to 1 %; the law itself 2 % off."""
     weak = parameter_file(tmp_path, "{largest: 1.0}")
     out = tmp_path / "out"
     adding = ["--add", EXAMPLE, "--add", f"{EXAMPLE}={weak}"]
@@ -59,7 +59,7 @@ def test_a_law_file_and_a_law_with_its_parameter_file_are_ranked_beside_the_othe
     scores = json.loads((out / "board.json").read_text())["scores"]
     assert list(scores) == ["equal_torque", "yaw_moment", "tuned"]
     assert scores["tuned"]["handling"]["value"] == pytest.approx(1.0, abs=0.01)
-    assert abs(scores["yaw_moment"]["handling"]["value"] - 1.0) > 0.03
+    assert abs(scores["yaw_moment"]["handling"]["value"] - 1.0) > 0.02
 
 
 def test_a_law_may_name_the_traction_control_as_well(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

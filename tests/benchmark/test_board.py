@@ -38,7 +38,7 @@ def result() -> BoardResult:
 
 def test_cells_are_cars_by_manoeuvres_by_roads():
     assert len(SMALL.cells()) == 2 * 6 * 3
-    assert SMALL.cells(STEP)[0].id("handling") == "layout_1_8_c:all:step_steer:wet:handling:v2"
+    assert SMALL.cells(STEP)[0].id("handling") == "layout_1_8_c:all:step_steer:wet:handling:v3"
     with pytest.raises(ParameterError, match="unknown cell 'x:y'"):
         SMALL.cells("x:y")
 
@@ -117,7 +117,7 @@ def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
     assert set(board["scores"]["pi"]) == {"handling", "worst tenth", "energy", "unstable", "demand_met"}
     printed = capsys.readouterr().out
     assert f"hash of all runs {board['hash']}" in printed
-    assert f"scripts/run.sh benchmark small --draws 1 --cells '{STEP}:v2' --drive equal_torque:0" in printed
+    assert f"scripts/run.sh benchmark small --draws 1 --cells '{STEP}:v3' --drive equal_torque:0" in printed
     assert "driven before" not in printed
     part = next((tmp_path / "driven").iterdir())
     part.write_bytes(part.read_bytes()[::-1])

@@ -23,7 +23,7 @@ CHEATS = '''
 from dataclasses import dataclass
 
 from ev_core.law import Car, DriverCommand, SteeringColumnState, Wheels, WheelTorqueRequest
-from ev_core.law import compilable, method, parameter
+from ev_core.law import compilable, entry, method, parameter
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +34,23 @@ class Parameters:
     brake: float = parameter(1.0, unit="1", low=0.0, high=1.0, about="share of the brakes that it gives")
     alone: float = parameter(0.0, unit="1", low=0.0, high=1.0, about="share of the drive for one wheel alone")
     drag: float = parameter(0.0, unit="N m/rad", low=0.0, high=1e5, about="brakes by the road-wheel angle")
+    early: float = parameter(0.0, unit="N m", low=0.0, high=1e5, about="brakes of each wheel in the first second")
 
 
-@method("electronic_differential", "cheats", Parameters)
+@dataclass(slots=True)
+class State:
+    """How long it has driven."""
+
+    time: float = entry(unit="s", about="since the start")
+
+
+@method("electronic_differential", "cheats", Parameters, state=State)
 @compilable
-def cheats(p: Parameters, car: Car, driver: DriverCommand, column: SteeringColumnState) -> WheelTorqueRequest:
+def cheats(
+    p: Parameters, car: Car, s: State, period: float, driver: DriverCommand, column: SteeringColumnState
+) -> WheelTorqueRequest:
     """Equal torques, less of them, or elsewhere."""
+    s.time += period
     fl, fr, rl, rr = car.driven
     alone = p.alone * p.drive * driver.drive_torque
     each = (p.drive * driver.drive_torque - alone) / car.number_driven
@@ -49,6 +60,8 @@ def cheats(p: Parameters, car: Car, driver: DriverCommand, column: SteeringColum
     front = brake * 0.6 / 2.0
     rear = brake / 2.0 - front
     more = p.drag * abs(column.road_wheel_angle)
+    if s.time <= 1.0:
+        more += p.early
     return WheelTorqueRequest(drive, Wheels(front + more, front + more, rear + more, rear + more))
 '''
 WAYS = {
@@ -59,6 +72,8 @@ WAYS = {
     "one_wheel": "{alone: 1.0}",
     "nothing": "{drive: 0.0, brake: 0.0}",
     "drags": "{drag: 3000.0}",
+    "brakes_early": "{early: 750.0}",
+    "brakes_early_a_little": "{early: 60.0}",
 }
 
 
@@ -100,7 +115,7 @@ def test_a_law_under_which_a_pedal_has_no_effect_is_refused(with_cheats: tuple[B
         check_laws(board, [law], [law])
 
 
-MANOEUVRE = Manoeuvre("s", 1.0, [], ["peak_sideslip", "peak_slip"], [], demand="way [m] = last(pose.x)")
+MANOEUVRE = Manoeuvre("s", 1.0, [], ["peak_sideslip", "peak_slip"], [], demand=["way [m] = last(pose.x)"])
 SCALES = {"peak_sideslip": 0.01, "peak_slip": 0.01, "way": 1.0}
 
 
@@ -138,15 +153,24 @@ def test_a_run_that_lacks_one_of_two_numbers_costs_most():
 def test_a_demand_near_zero_is_held_against_its_scale():
     """A car that keeps its speed gains 0.01 m/s: 1 m/s less is half of the scale of 2 m/s."""
     board = replace(read_board("small"), reference="one", scales={"gained": 2.0})
-    held = replace(MANOEUVRE, demand="gained [m/s] = last(twist.longitudinal) - first(twist.longitudinal)")
+    held = replace(MANOEUVRE, demand=["gained [m/s] = last(twist.longitudinal) - first(twist.longitudinal)"])
     metrics = {"one": {"gained": np.array([0.01, -0.01, np.nan])}, "law": {"gained": np.array([-0.99, 1.0, 5.0])}}
     assert demand_met(board, held, metrics)[1] == pytest.approx([0.5, 1.0, 1.0])
+
+
+def test_of_several_demands_the_least_share_counts():
+    """1 m of 10 m less, 0.5 m/s of the scale of 1 m/s less, both; none of the demands makes up for another one."""
+    board = replace(read_board("small"), reference="one", scales={"way": 1.0, "kept": 1.0})
+    two = replace(MANOEUVRE, demand=[*MANOEUVRE.demand, "kept [m/s] = last(twist.longitudinal)"])
+    one = {"way": np.full(4, 10.0), "kept": np.zeros(4)}
+    law = {"way": np.array([9.0, 10.0, 9.0, 12.0]), "kept": np.array([0.0, -0.5, -0.5, -0.5])}
+    assert demand_met(board, two, {"one": one, "law": law})[1] == pytest.approx([0.9, 0.5, 0.5, 0.5])
 
 
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ('    demand: "way_gone [m] = last(pose.x)"\n', "", "launch lacks demand, expected is a metric of what"),
+        ('    demand: ["way_gone [m] = last(pose.x)"]\n', "", "launch lacks demand, expected are metrics of what"),
         ('"way_gone [m] = last(pose.x)"', "peak_slip", "demand of launch is peak_slip, which is better low, expected"),
         ("way_gone: 1.0, ", "", "scales lacks a number above 0 for way_gone of launch"),
     ],

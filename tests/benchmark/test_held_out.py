@@ -49,7 +49,7 @@ def test_the_command_drives_them_and_says_so(tmp_path: Path, capsys: pytest.Capt
     run_benchmark([*words, "--out", str(tmp_path)])
     assert json.loads((tmp_path / "board.json").read_text())["held_out"] == 7
     assert (
-        "benchmark small --draws 1 --held-out 7 --cells 'audi_a2:front:step_steer:wet:*:v2'" in capsys.readouterr().out
+        "benchmark small --draws 1 --held-out 7 --cells 'audi_a2:front:step_steer:wet:*:v3'" in capsys.readouterr().out
     )
     with pytest.raises(ParameterError, match="unknown law ''; known: equal_torque"):
         run_benchmark(["--laws", "", "--out", str(tmp_path)])

@@ -240,8 +240,8 @@ def _rise(bounds: Sequence[float]) -> bool:
 
 def _refuse_metrics(scales: Mapping[str, float], name: str, manoeuvre: Manoeuvre) -> None:
     if not (manoeuvre.demand or manoeuvre.searched):
-        raise ParameterError(f"{name} lacks demand, expected is a metric of what the driver asks for, better the more")
-    counted, demanded = named_metrics(manoeuvre.metrics(*COSTS)), named_metrics(manoeuvre.demanded)
+        raise ParameterError(f"{name} lacks demand, expected are metrics of what the driver asks for, better the more")
+    counted, demanded = named_metrics(manoeuvre.metrics(*COSTS)), named_metrics(manoeuvre.demand)
     for metric, each in counted.items():
         if metric in METRICS and not each.better:
             raise ParameterError(f"metric {metric} of {name} is better neither low nor high")

@@ -23,9 +23,9 @@ class Manoeuvre:
     `steering_on`: the road on which the steering angles are found on the very car, by the slow ramp of the scenario.
     `entry_speed`: bounds of the speed that is raised until the car is not clean any more [m/s], by `halvings`;
     `speed_scale`: those of the scale of the speed profile of a lap [1], likewise. `without`: cars that do not drive it.
-    `demand`: a metric of what the driver asks for, such as speed gained, the better the more; the share of it that a
-    law meets weighs all its costs. `recorded` is measured beside them and counts in no cost; without it that of the
-    board.
+    `demand`: metrics of what the driver asks for, such as speed gained, the better the more; the least share of them
+    that a law meets weighs all its costs. `recorded` is measured beside them and counts in no cost; without it that of
+    the board.
     """
 
     scenario: str
@@ -39,7 +39,7 @@ class Manoeuvre:
     entry_speed: list[float] = field(default_factory=list)
     speed_scale: list[float] = field(default_factory=list)
     halvings: int = 6
-    demand: str = ""
+    demand: list[str] = field(default_factory=list)
     without: list[str] = field(default_factory=list)
     recorded: list[str] = field(default_factory=list)
 
@@ -56,9 +56,4 @@ class Manoeuvre:
     @property
     def measured(self) -> list[str | NamedMetric]:
         """All that is measured, each once."""
-        return list(dict.fromkeys((*self.demanded, *self.metrics("handling", "energy", "recorded"), "peak_sideslip")))
-
-    @property
-    def demanded(self) -> list[str]:
-        """The metric of the demand, if it has one."""
-        return [self.demand] if self.demand else []
+        return list(dict.fromkeys((*self.demand, *self.metrics("handling", "energy", "recorded"), "peak_sideslip")))

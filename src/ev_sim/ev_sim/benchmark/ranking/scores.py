@@ -59,14 +59,14 @@ def costs_of(
 def demand_met(board: Board, manoeuvre: Manoeuvre, metrics: Mapping[str, Mapping[str, np.ndarray]]) -> np.ndarray:
     """The share of the demand that each run meets, (laws, draws), at most 1: what the reference meets in the same draw.
 
-    1 + (x - x_0)/max(|x_0|, scale) within 0 to 1; 0 without a number, 1 where only the reference has none, and without
-    a demand.
+    1 + (x - x_0)/max(|x_0|, scale) within 0 to 1, the least one of all metrics of the demand; 0 without a number, 1
+    where only the reference has none, and without a demand.
     """
-    if not manoeuvre.demand:
-        return np.ones((len(metrics), 1))
-    (name,) = named_metrics(manoeuvre.demanded)
-    values, more = _over_reference(board, name, metrics)
-    return np.where(np.isnan(values), 0.0, np.clip(1.0 + more, 0.0, 1.0))
+    least = np.ones((len(metrics), 1))
+    for name in named_metrics(manoeuvre.demand):
+        values, more = _over_reference(board, name, metrics)
+        least = np.minimum(least, np.where(np.isnan(values), 0.0, np.clip(1.0 + more, 0.0, 1.0)))
+    return least
 
 
 def _over_reference(
