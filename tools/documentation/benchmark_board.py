@@ -38,7 +38,7 @@ PARTS = (TUNED, "closed", "open", "laws", "cells")
 LAWS_PAGE, LAW_PAGES = "docs/benchmark_laws.md", "law pages"
 NAME = "small"
 IMAGE = "benchmark_board"
-HELD_OUT, HELD_OUT_DRAWS = 45799, 5  # a seed that was drawn after the laws had been tuned
+HELD_OUT, HELD_OUT_DRAWS = 70613, 5  # a seed that was drawn after the laws had been tuned
 
 
 def board_tables(result: BoardResult) -> dict[str, str]:
