@@ -158,6 +158,22 @@ def test_a_spike_within_the_range_is_bridged(tmp_path, clean, at, data):
     assert_same(record, clean, 0.06)
 
 
+@pytest.mark.parametrize("frames", [1, 3, 8])
+@pytest.mark.parametrize("place", ["beginning", "end"])
+def test_values_of_a_sensor_that_has_not_begun_or_has_ended_are_passed_over(tmp_path, clean, frames, place):
+    """182 km/h more than the car drives, in the first or last frames: it is they that are wrong, not the one beside."""
+    of_speed = range(0, 3 * STEPS, 3)
+    spoilt = of_speed[:frames] if place == "beginning" else of_speed[-frames:]
+    found = lines()
+    for n in spoilt:
+        found[n] = (*found[n][:3], (speed(n // 3) + 18200).to_bytes(2, "little") + bytes(6))
+    record = read(tmp_path, found)
+    assert f"twist.longitudinal: {frames} of 200 samples passed over, which jump as no car does" in record.notes
+    apart = np.abs(record[LONGITUDINAL] - clean[LONGITUDINAL])
+    assert apart.max() < 0.3  # 8 frames in which the speed changes by 0.1 km/h each
+    assert record.valid.all() == (frames <= 5)  # 0.05 s are bridged
+
+
 def test_the_same_id_on_two_buses_is_refused_or_chosen(tmp_path, clean):
     """Another sensor sends the yaw rate with an offset of 30 deg/s on a second bus."""
     frames = lines()
@@ -292,6 +308,25 @@ def test_times_of_an_asc_file_are_relative_or_negative_as_well(tmp_path, clean, 
     (tmp_path / "drive.ASC").write_text(head + "\n".join(rows) + "\n")
     record = read_record(tmp_path / "drive.ASC", tmp_path / "drive.yaml")
     assert_same(record, clean, 2e-4)  # times to 1e-6 s
+
+
+def test_the_buses_of_an_asc_file_have_the_numbers_that_it_writes(tmp_path, clean):
+    """The first one is 1, as its tools show it."""
+    rows = []
+    for time, _, name, data in lines():
+        for bus, spoilt in ((1, False), (2, name == "220")):
+            shown = (bytes(2) if spoilt else data[:2]) + data[2:]
+            rows.append(
+                f"{time - 100.0 + 0.0001 * bus:11.6f} {bus}  {int(name, 16):X}             Rx   d 8 {shown.hex(' ')}"
+            )
+    head = "date Mon May 4 10:00:00 2026\nbase hex  timestamps absolute\nno internal events logged\n"
+    (tmp_path / "drive.asc").write_text(head + "\n".join(rows) + "\n")
+    with pytest.raises(ParameterError, match="is on 1 and 2, expected one of them as `channel`"):
+        read_record(tmp_path / "drive.asc", tmp_path / "drive.yaml")
+    for bus, largest in ((1, float(clean[YAW_RATE].max())), (2, 0.0)):
+        (tmp_path / "drive.yaml").write_text(MAPPING + f"channel: {bus}\n")
+        record = read_record(tmp_path / "drive.asc", tmp_path / "drive.yaml")
+        assert record[YAW_RATE].max() == pytest.approx(largest, abs=1e-3)
 
 
 def test_what_is_no_log_is_refused_by_its_suffix_or_where_it_ends(tmp_path, clean):

@@ -157,6 +157,17 @@ def test_a_late_yaw_rate_is_named_and_gives_no_interval():
     assert np.isnan(found.intervals).all()
 
 
+@pytest.mark.parametrize("late", [0.25, 0.35, 1.0, None], ids=["0.25 s", "0.35 s", "1 s", "of another drive"])
+def test_a_yaw_rate_that_is_not_that_of_the_car_gives_no_interval(late):
+    """So late that its replay has less than half of it, beyond the lags that are looked for, or quite another one."""
+    rate = driven().channels[YAW_RATE]
+    back = round((late or 0.0) / PERIOD)
+    other = np.concatenate([np.full(back, rate[0]), rate[: len(rate) - back]]) if late else rate[::-1]
+    found = fitted(replay_of(record_of({YAW_RATE: other}), inertia=1.1), 25)
+    assert any("off twist.yaw_rate in the median window, which itself deviates by" in each for each in found.doubts)
+    assert np.isnan(found.intervals).all()
+
+
 def test_a_number_at_the_end_of_its_range_has_no_interval():
     found = fitted(replay_of(record_of()), 25)
     free = replace(found.free[0], high=float(found.fitted.values[0]))

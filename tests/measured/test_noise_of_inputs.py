@@ -127,6 +127,18 @@ def test_noise_of_a_slow_sensor_is_seen_between_its_own_samples(rate):
     assert LOWEST <= cut_off_of(record, LONGITUDINAL) < 3.0
 
 
+def test_noise_of_a_slow_sideslip_sensor_is_seen_in_the_lateral_velocity_that_follows_from_it():
+    """20 Hz beside 100 Hz, 0.005 rad: at 12 m/s and more at least 0.06 m/s."""
+    run = driven()
+    random, slow = np.random.Generator(np.random.PCG64(0)), run.time[::5]
+    angle = np.arctan2(run.channels[LATERAL], run.channels[LONGITUDINAL])[::5]
+    columns = {n: (Sampled(run.time, run.channels[n]), ColumnParameters()) for n in (YAW_RATE, LONGITUDINAL)}
+    columns[SIDESLIP] = (Sampled(slow, angle + 0.005 * random.standard_normal(len(slow))), ColumnParameters())
+    record = measured("made", "", columns, MaskParameters())
+    expected = 0.005 * float(np.sqrt(np.mean(run.channels[LONGITUDINAL] ** 2)))
+    assert noise_of(record, LATERAL) == pytest.approx(expected, rel=0.3)  # of 240 samples
+
+
 def test_a_car_at_rest_has_no_sideslip_and_no_window():
     """5 s at rest with noise of 0.01 m/s: no sideslip angle there, its windows passed over and counted, no spin."""
     random, run = np.random.Generator(np.random.PCG64(0)), driven()

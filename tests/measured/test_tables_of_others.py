@@ -77,6 +77,28 @@ def test_a_row_of_units_is_held_against_the_mapping(tmp_path):
         read(tmp_path, f"{header}\nms,km/h,m/s,rad/s,m/s2,deg\n{rows}")
 
 
+def test_a_unit_in_brackets_of_the_header_counts_as_a_row_of_units_does(tmp_path):
+    """Loggers write "speed [km/h]"; what is in brackets and is no unit is a part of the name."""
+    _, _, rows = text_of(tmp_path).partition("\n")
+    header = "t [ms],speed (km/h),vy [m/s],r [deg/s],ay [raw],steer (front)"
+    (tmp_path / "made.csv").write_text(f"{header}\n{rows}")
+    mapping = tmp_path / "made.yaml"
+    named = MAPPING
+    for name in header.split(","):
+        column = name.partition(" ")[0]
+        named = named.replace(f"column: {column},", f"column: '{name}',")
+    mapping.write_text(named)
+    assert_whole(read_record(tmp_path / "made.csv", mapping))
+    for unit in (", unit: ms", ", unit: km/h", ", unit: deg/s"):
+        assert unit in named
+        named = named.replace(unit, "")
+    mapping.write_text(named)
+    assert_whole(read_record(tmp_path / "made.csv", mapping))
+    mapping.write_text(named.replace("r [deg/s]',", "r [deg/s]', unit: rad/s,"))
+    with pytest.raises(ParameterError, match=r"is in rad/s by the mapping and in 'deg/s' by the file"):
+        read_record(tmp_path / "made.csv", mapping)
+
+
 def test_a_time_as_text_is_refused_and_another_text_counted(tmp_path):
     header, first, *rows = text_of(tmp_path).splitlines()
     clock = [",".join(["2026-05-04T10:00:00", *row.split(",")[1:]]) for row in rows]
@@ -111,6 +133,19 @@ def test_a_clock_that_was_set_late_or_runs_backwards_is_named(tmp_path):
     columns["t"] = columns["t"][::-1]
     with pytest.raises(ParameterError, match=r"does not increase, .*: \d+ of 1201 samples are not later"):
         read_record(write(tmp_path, columns), tmp_path / "made.yaml")
+
+
+@pytest.mark.parametrize(("first", "second"), [(1201, 900), (700, 1201)])
+def test_of_two_drives_in_one_file_the_longer_one_is_read(tmp_path, first, second):
+    """Each begins at 0 s: no instant of the one stands behind those of the other, as if the car had jumped there."""
+    one = {name: values[:first] for name, values in columns_of(driven()).items()}
+    other = {name: values[:second] for name, values in columns_of(driven(seed=1)).items()}
+    both = {name: np.concatenate([one[name], other[name]]) for name in one}
+    record = read_record(write(tmp_path, both), tmp_path / "made.yaml")
+    longer = driven() if first > second else driven(seed=1)
+    assert f"{min(first, second)} of {first + second} samples passed over" in record.notes[0]
+    for channel in (YAW_RATE, LONGITUDINAL):
+        assert record[channel] == pytest.approx(longer.channels[channel], abs=1e-7)
 
 
 def test_a_stamp_of_a_bag_from_the_future_costs_one_message(tmp_path, monkeypatch):

@@ -14,7 +14,7 @@ from ev_sim.measured.free_parameters import FreeParameter, changes
 from ev_sim.measured.identification import Fitted
 from ev_sim.measured.intervals import Knowledge, in_words
 from ev_sim.measured.records.record import quoted_source
-from ev_sim.measured.replays.errors import Judged
+from ev_sim.measured.replays.errors import CLEAR, Judged
 from ev_sim.measured.replays.open_loop import COMPARED, OpenLoop
 from ev_sim.measured.replays.validation import FILES, Validation
 from ev_sim.measured.vehicle_text import parameter_text, vehicle_text
@@ -63,6 +63,10 @@ class Identified:
         before, after = self.judged[PARTS[0]]
         for name in self.fitted.weights:
             was, now = (each.judged[name] for each in (before, after))
+            typical = float(np.nanstd(training.measured(name)))
+            if not now.median_window < (1.0 - CLEAR) ** 0.5 * typical:
+                off = f"the fit is {now.median_window:.3g} {now.unit} off {name} in the median window"
+                found.append(f"{off}, which itself deviates by {typical:.3g}: another clock, sensor or car")
             if now.median_window > was.median_window + 0.05 * max(was.median_window, self.fitted.weights[name]):
                 found.append(f"{name} is reproduced worse than at the start: {_change(was, now)}")
             if late := now.is_late(name):

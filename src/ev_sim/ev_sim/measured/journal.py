@@ -70,6 +70,11 @@ def search_key(replay: OpenLoop, *choices: object) -> str:
     record = replay.record
     given = (digest_of_sources(), roles, replay.is_imposed, replay.cut_off, record.noise, record.spacing, choices)
     content = hashlib.sha256(repr(given).encode())
-    for values in (replay.windows.first, *(values for _, values in sorted(record.channels.items()))):
+    for values in (
+        np.array(replay.windows.size),
+        replay.windows.first,
+        record.valid,
+        *(values for _, values in sorted(record.channels.items())),
+    ):
         content.update(np.ascontiguousarray(values).tobytes())
     return content.hexdigest()

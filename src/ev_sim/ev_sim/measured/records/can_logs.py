@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _NAMES = {"can": "python-can"}
 Source = tuple[str, int]  # bus and id of a frame
+_FROM_ZERO = (".asc", ".blf")  # formats whose buses python-can counts from 0, the files from 1
 SUFFIXES = (".log", ".asc", ".trc", ".blf", ".mf4")  # candump, text of Vector and of PEAK, Vector's binary, ASAM MDF
 _RELATIVE = re.compile(r"^base\s+\w+\s+timestamps\s+relative", re.IGNORECASE | re.MULTILINE)
 _TIMED = re.compile(r"^(\s*)(-?\d+\.\d+)(?=\s)", re.MULTILINE)
@@ -55,7 +56,7 @@ def read_columns(log: Path, database: Path, wanted: Sequence[str], channel: str 
             others.add(frame.arbitration_id)
         if found is None:
             continue
-        source = ("" if frame.channel is None else str(frame.channel), frame.arbitration_id)
+        source = (_bus(log, frame), frame.arbitration_id)
         of = decoded[found.message.name].setdefault(source, Decoded(found))
         of.add(frame.timestamp, bytes(frame.data))
     columns: dict[str, Sampled] = {}
@@ -71,6 +72,13 @@ def read_columns(log: Path, database: Path, wanted: Sequence[str], channel: str 
             columns[column] = Sampled(np.array(chosen.times[column]), np.array(chosen.values[column]))
             units[column] = signal.unit or ""
     return Read(columns, digest, units, tuple(notes))
+
+
+def _bus(log: Path, frame: can.Message) -> str:
+    """The bus of a frame as the log has it."""
+    if isinstance(frame.channel, int) and log.suffix.lower() in _FROM_ZERO:
+        return str(frame.channel + 1)
+    return "" if frame.channel is None else str(frame.channel)
 
 
 def _chosen(log: Path, wanted: Wanted, decoded: dict[Source, Decoded], channel: str, others: set[int]) -> Decoded:

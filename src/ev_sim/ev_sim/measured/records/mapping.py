@@ -23,7 +23,7 @@ from ev_sim.measured.records.record import (
 )
 from ev_sim.measured.records.samples import Sampled
 from ev_sim.measured.records.tables import read_columns
-from ev_sim.measured.records.units import with_unit, without_unit
+from ev_sim.measured.records.units import of_header, with_unit, without_unit
 from ev_sim.scenarios.parameter_file import read_yaml
 
 _ENTRIES = ("time", "dbc", "channel", "channels", "mask")
@@ -109,11 +109,12 @@ def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
             raise ParameterError(
                 f"{file}: {declared.column}: {found.texts[declared.column]}, expected a number for the time"
             )
-        factor = _in_unit(mapping, "time", declared, found.units).factor("time")
+        units = found.units or of_header(found.columns)
+        factor = _in_unit(mapping, "time", declared, units).factor("time")
         time = found.columns[declared.column] * factor
         columns = {name: Sampled(time, values) for name, values in found.columns.items()}
         notes = tuple(f"{name}: {what}, passed over" for name, what in found.texts.items() if name in wanted)
-        return Read(columns, found.digest, found.units, notes)
+        return Read(columns, found.digest, units, notes)
 
     return table
 

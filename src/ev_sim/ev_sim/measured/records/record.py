@@ -178,13 +178,15 @@ def measured(
             limit = mask.steering_rate * (16.0 if name == STEERING_WHEEL_ANGLE else 1.0)
             valid &= ~jumps(channels[name], limit * period)
     notes = passed_over + spikes + _bridge(channels, valid, max(int(mask.bridge / period + 0.5), 0))
-    noise = {name: declared.noise * UNITS[declared.unit] for name, (_, declared) in columns.items() if declared.noise}
-    _complete_sideslip(channels, noise)
+    noise = {
+        name: declared.noise * abs(declared.factor(name)) for name, (_, declared) in columns.items() if declared.noise
+    }
     spacing = {name: float(np.median(np.diff(each.time))) for name, (each, _) in columns.items()}
+    _complete_sideslip(channels, noise, spacing)
     return MeasuredRecord(source, digest, float(begin), period, channels, valid, notes, noise, spacing)
 
 
-def _complete_sideslip(channels: dict[str, np.ndarray], noise: dict[str, float]) -> None:
+def _complete_sideslip(channels: dict[str, np.ndarray], noise: dict[str, float], spacing: dict[str, float]) -> None:
     """Sideslip angle and lateral velocity by each other, and no sideslip angle where the car hardly moves."""
     if LONGITUDINAL not in channels:
         return
@@ -197,6 +199,7 @@ def _complete_sideslip(channels: dict[str, np.ndarray], noise: dict[str, float])
             noise[SIDESLIP] = noise[LATERAL] / typical
     elif SIDESLIP in channels and LATERAL not in channels:
         channels[LATERAL] = speed * np.tan(channels[SIDESLIP])
+        spacing[LATERAL] = spacing[SIDESLIP]
         if SIDESLIP in noise:
             noise[LATERAL] = noise[SIDESLIP] * typical
     if SIDESLIP in channels:

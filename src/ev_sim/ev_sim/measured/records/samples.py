@@ -12,6 +12,7 @@ from ev_msgs_py.refusal import ParameterError
 
 _LONGEST_SPIKE = 10  # samples in which a signal that has jumped away has to be back, else it has jumped for good
 _PAUSE = 86400.0  # [s], longer than any pause in a record: a clock that was not set yet is years behind
+_ANOTHER = 100  # samples in a row for which the clock has no room: they are those of another drive
 
 
 @dataclass(frozen=True)
@@ -69,12 +70,23 @@ def without_spikes(
 
 
 def believed(time: np.ndarray) -> np.ndarray:
-    """Where the times [s] of a series (n,) are believed, (n,) bool: most of them that increase, within one stretch."""
+    """Where the times [s] of a series (n,) are believed, (n,) bool: most of them that increase, within one stretch.
+
+    Where the clock begins anew, as in a log to which another drive was appended, only one of both is believed.
+    """
     found = np.isfinite(time)
     if found.all() and len(time) and (np.diff(time) > 0.0).all() and time[-1] - time[0] < _PAUSE:
         return found
     places = np.flatnonzero(found)
     places = places[_longest_rise(time[places])]
+    passed_over, steps = np.diff(places) - 1, np.diff(time[places])
+    # Samples with wrong times leave a pause of their own length; those of another drive leave none.
+    anew = (passed_over > _ANOTHER) & (passed_over * np.median(steps) > 2.0 * steps) if len(steps) else steps > 0.0
+    if anew.any() and 4 * len(places) > len(time):
+        at = int(places[np.flatnonzero(anew)[0]]) + 1
+        before, behind = believed(time[:at]), believed(time[at:])
+        kept = before.sum() >= behind.sum()
+        return np.concatenate([before & kept, behind & ~kept])
     stretches = np.split(places, np.flatnonzero(np.diff(time[places]) > _PAUSE) + 1)
     found[:] = False
     found[max(stretches, key=len)] = True
@@ -106,14 +118,22 @@ def _longest_rise(values: np.ndarray) -> list[int]:
 
 
 def jumps(values: np.ndarray, limit: float) -> np.ndarray:
-    """Where a series jumps away, up to where it is back; a jump that does not come back is one instant."""
+    """Where a series jumps away, up to where it is back; a jump that does not come back is one instant.
+
+    Near the beginning or the end it is the short side that has jumped.
+    """
     jumped = np.zeros(len(values), bool)
     behind = 0
+    short = min(_LONGEST_SPIKE, len(values) // 2)
     for edge in np.flatnonzero(np.abs(np.diff(values)) > limit):
         if edge < behind:
             continue
         after = values[edge + 1 : edge + 2 + _LONGEST_SPIKE]
         back = np.flatnonzero(np.abs(after[1:] - values[edge]) < 3.0 * limit)
-        behind = edge + 2 + (int(back[0]) if len(back) else 0)
+        if not len(back) and edge < short:  # a sensor that has not begun yet
+            jumped[: edge + 1] = True
+            continue
+        is_end = not len(back) and len(values) - 1 - edge <= short
+        behind = len(values) if is_end else edge + 2 + (int(back[0]) if len(back) else 0)
         jumped[edge + 1 : behind] = True
     return jumped

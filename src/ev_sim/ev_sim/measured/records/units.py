@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from ev_msgs_py.contract import frame
@@ -38,7 +39,14 @@ _WRITTEN = {
     **dict.fromkeys(("°c", "c", "deg c"), "degC"),
     **dict.fromkeys(("sec", "seconds"), "s"),
 }
+_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")
 _NONE = ("", "-", "1")  # what a file writes for a number without a unit, or for one that it does not know
+
+
+def of_header(columns: Iterable[str]) -> dict[str, str]:
+    """By column the unit that its name ends with, in brackets, as of "speed [km/h]"."""
+    found = {name: match[1] for name in columns if (match := _BRACKETS.search(name))}
+    return {name: unit for name, unit in found.items() if unit.strip().lower() in _WRITTEN}
 
 
 def with_unit(name: str, declared: ColumnParameters, of_file: str) -> ColumnParameters:
