@@ -57,3 +57,13 @@ def test_the_losses_of_a_map_come_back(tmp_path, capsys):
 def test_what_is_no_map_is_refused(tmp_path, change, message):
     with pytest.raises(ValueError, match=message):
         fit_motor(write(tmp_path, change))
+
+
+def test_a_row_of_other_units_is_refused_and_one_of_its_own_is_read(tmp_path):
+    path = write(tmp_path)
+    header, _, rows = path.read_text().partition("\n")
+    path.write_text(f"{header}\n1/min,Nm,-\n{rows}")
+    assert fit_motor(path).losses == pytest.approx(LOSSES, rel=1e-6)
+    path.write_text(f"{header}\nrad/s,Nm,-\n{rows}")
+    with pytest.raises(ValueError, match=r"map\.csv: speed_rpm is in 'rad/s', expected rpm"):
+        fit_motor(path)

@@ -141,3 +141,31 @@ def test_rig_data_of_other_signs_and_units_are_refused(tmp_path, column, factor,
     columns[column] = factor * columns[column]
     with pytest.raises(ParameterError, match=line):
         read_rig([write(tmp_path / "rig.csv", columns)])
+
+
+def test_a_row_of_other_units_is_refused_and_one_of_its_own_is_read(tmp_path):
+    path = write(tmp_path / "rig.csv", rig())
+    header, _, rows = path.read_text().partition("\n")
+    own = {"ET": "s", "SL": "-", "SA": "deg", "FZ": "N", "FX": "N", "FY": "N", "IA": "deg", "P": "kPa"}
+    for column, other in (("", ""), ("SA", "rad"), ("FY", "lb"), ("P", "psi")):
+        units = {**own, **({column: other} if column else {})}
+        path.write_text("\n".join((header, ",".join(units[name] for name in header.split(",")), rows)))
+        if not column:
+            assert read_rig([path]).count == 24
+            continue
+        with pytest.raises(ParameterError, match=rf"rig\.csv: {column} is in '{other}', expected {own[column]}"):
+            read_rig([path])
+
+
+def test_samples_without_a_number_or_load_are_counted(tmp_path):
+    """Three cells of text and two lifted tyres among 2880 samples of 24 sweeps."""
+    columns = rig()
+    columns["FZ"][[100, 500]] = 0.0
+    path = write(tmp_path / "rig.csv", columns)
+    lines = path.read_text().splitlines()
+    for n in (10, 20, 30):
+        lines[n] = lines[n].rpartition(",")[0] + ",ERR"
+    path.write_text("\n".join(lines))
+    sweeps = read_rig([path])
+    assert sweeps.passed_over == 5
+    assert len(sweeps.points.load) == 2880 - 5

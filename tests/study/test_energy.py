@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from types import SimpleNamespace
 
 import pytest
 
+from ev_core.parameters.data_file import find_file
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.study import energy
 from ev_sim.study.electric_cars import (
+    ASSUMPTIONS,
     CYCLES,
     consumption,
     fit,
@@ -111,3 +114,31 @@ def test_a_fit_finds_assumptions_that_made_the_numbers(tmp_path):
     for each in made:
         for cycle in CYCLES:
             assert consumption(each, cycle, found) == pytest.approx(each.measured[cycle], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("row", "line"),
+    [
+        ("charger_efficiency,all,0,1", "charger_efficiency of all is 0, expected above 0 and at most 1"),
+        ("charger_efficiency,all,88,1", "charger_efficiency of all is 88, expected above 0 and at most 1"),
+        ("gear_efficiency,all,nan,1", "gear_efficiency of all is nan, expected above 0 and at most 1"),
+        ("copper,all,inf,W/N^2", "copper of all is inf, expected 0 to 10000"),
+        ("idle,one machine,-3,N", "idle of one machine is -3, expected 0 to 10000"),
+        ("recovery,one machine,1.0,m/s^2", "recovery of one machine is there twice, expected once"),
+    ],
+)
+def test_an_assumption_that_cannot_be_is_refused_with_its_line(tmp_path, row, line):
+    """Comments count as lines; what is there twice is no choice of the later one."""
+    shipped = find_file(ASSUMPTIONS).read_text().splitlines()
+    quantity, drive, *_ = row.split(",")
+    kept = [each for each in shipped if "twice" in line or not each.startswith(f"{quantity},{drive},")]
+    file = tmp_path / "assumed.csv"
+    file.write_text("\n".join(["# by hand", *kept, row]) + "\n")
+    with pytest.raises(ParameterError, match=rf"assumed\.csv, line {len(kept) + 2}: {re.escape(line)}"):
+        read_assumptions(file)
+
+
+def test_a_wrong_row_behind_comments_has_the_line_of_the_file(tmp_path):
+    file = listed(tmp_path, [car("X", DRIVES[0]), "# a comment", "", car("Y", DRIVES[0], udds=0)])
+    with pytest.raises(ParameterError, match="line 5, column udds_mpge"):
+        read_cars(file)

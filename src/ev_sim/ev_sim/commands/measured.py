@@ -204,6 +204,8 @@ def _identify_tyre(given: argparse.Namespace, command: str) -> None:
         fit = fit_tyre(sweeps)
         print(tyre_table(fit))
         write_tyre(folder.directory, fit, sweeps, given.friction_scale, command)
+    if sweeps.passed_over:
+        print(f"note: {sweeps.passed_over} samples passed over, which lack a number or have no load")
     print(f"{sweeps.count} sweeps; tyre: {folder.directory / TYRE}")
 
 

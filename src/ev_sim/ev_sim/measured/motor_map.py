@@ -16,6 +16,7 @@ from ev_sim.figures.saving import save_figures
 from ev_sim.figures.sheets import Sheet
 from ev_sim.measured.records.record import UNITS
 from ev_sim.measured.records.tables import read_columns
+from ev_sim.measured.records.units import refuse_other_units
 from ev_sim.recording.recording import SUMMARY, atomic_file
 from ev_sim.report.summary import write_summary
 from ev_sim.report.tables import text_table
@@ -23,6 +24,7 @@ from ev_sim.report.tables import text_table
 MOTOR = "motor.yaml"
 FILES_OF_MOTOR = (MOTOR, SUMMARY, "error_map.png")
 _COLUMNS = ("speed_rpm", "torque_nm", "efficiency_inverter_to_mechanical")
+_UNITS = {"speed_rpm": "rpm", "torque_nm": "N m"}
 _EVERY = 3  # of the points one is held out
 _SHOWN = 2.0  # percentage points, where the colours of the map end
 
@@ -55,7 +57,8 @@ def fit_motor(file: Path) -> MotorFit:
     The file has columns `speed_rpm`, `torque_nm` (of a motor, both above zero) and the efficiency from inverter to
     shaft; rows without all three are left out. Loss: `ev_core.vehicle.losses`. ParameterError if it has not.
     """
-    columns, digest, *_ = read_columns(file)
+    columns, digest, units, _ = read_columns(file)
+    refuse_other_units(file, units, _UNITS)
     for name in _COLUMNS:
         if name not in columns:
             raise ParameterError(f"{file}: {unknown_name('column', name, columns)}")

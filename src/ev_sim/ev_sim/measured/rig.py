@@ -13,6 +13,7 @@ from ev_core.parameters.data_file import SIGNALS, read_data
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measured.magic_formula import Points
 from ev_sim.measured.records.tables import read_columns
+from ev_sim.measured.records.units import refuse_other_units
 
 # The names of the FSAE Tire Test Consortium, SAE axes, with the factor to SI and ISO: z is down there, y to the right.
 _COLUMNS = {
@@ -24,6 +25,7 @@ _COLUMNS = {
     "longitudinal_force": ("FX", 1.0),
     "lateral_force": ("FY", -1.0),
 }
+_UNITS = {"ET": "s", "SA": "deg", "IA": "deg", "FZ": "N", "P": "kPa", "FX": "N", "FY": "N"}
 # What the rig holds during a sweep, and how much it changes at least from one to the next.
 SETTINGS = {"FZ": 150.0, "IA": 0.5, "P": 5.0}  # N, deg, kPa
 AROUND = 50  # samples, half a second at 100 Hz: load and inclination take as long to settle
@@ -34,11 +36,15 @@ ROLLS_FREELY = 0.01  # largest slip ratio of a sweep of the slip angle alone, an
 
 @dataclass(frozen=True)
 class Sweeps:
-    """The samples of all files, and by sample the number of its sweep."""
+    """The samples of all files, and by sample the number of its sweep.
+
+    `passed_over` counts the samples that lack a number or have no load.
+    """
 
     points: Points
     number: np.ndarray
     digest: str
+    passed_over: int = 0
 
     @property
     def count(self) -> int:
@@ -65,7 +71,7 @@ def read_rig(paths: list[Path]) -> Sweeps:
     """The sweeps of some files (.csv, .csv.xz, or .mat of the TTC); ParameterError if one is not of this kind."""
     tables, digests = [], []
     for path in paths:
-        columns, digest = _mat(path) if path.suffix == ".mat" else read_columns(path)[:2]
+        columns, digest = _mat(path) if path.suffix == ".mat" else _table(path)
         if lacking := [name for name in ("ET", *(n for n, _ in _COLUMNS.values())) if name not in columns]:
             raise ParameterError(f"{path}: lacks {', '.join(lacking)}, expected a table of the FSAE TTC (SAE, SI)")
         _check_units(path, columns)
@@ -80,9 +86,8 @@ def read_rig(paths: list[Path]) -> Sweeps:
         **{name: factor * np.concatenate([t[column] for t in tables]) for name, (column, factor) in _COLUMNS.items()}
     )
     whole = np.all([np.isfinite(getattr(points, name)) for name in _COLUMNS], axis=0) & (points.load > 0.0)
-    found = Sweeps(
-        points.some(whole), np.unique(np.concatenate(number)[whole], return_inverse=True)[1], " ".join(digests)
-    )
+    numbers = np.unique(np.concatenate(number)[whole], return_inverse=True)[1]
+    found = Sweeps(points.some(whole), numbers, " ".join(digests), int(np.sum(~whole)))
     _check_signs(", ".join(map(str, paths)), found)
     return found
 
@@ -130,6 +135,13 @@ def _check_signs(where: str, sweeps: Sweeps) -> None:
         if sign * float(np.sum(force[chosen] * slip[chosen])) < 0.0:
             expected = "SA, expected the opposite one" if name == "FY" else "the opposite of SL, expected the same"
             raise ParameterError(f"{where}: {name} has the sign of {expected} (SAE)")
+
+
+def _table(path: Path) -> tuple[dict[str, np.ndarray], str]:
+    """The columns of a CSV file of the TTC."""
+    table = read_columns(path)
+    refuse_other_units(path, table.units, _UNITS)
+    return table.columns, table.digest
 
 
 def _mat(path: Path) -> tuple[dict[str, np.ndarray], str]:

@@ -52,6 +52,7 @@ def write_tyre(folder: Path, fit: TyreFit, sweeps: Sweeps, friction_scale: float
         "unseen": dict(fit.unseen),
         "assumed": list(fit.at_start),
         "sweeps": sweeps.count,
+        "samples_passed_over": sweeps.passed_over,
     }
     write_summary(folder / SUMMARY, content | {"coefficients": dict(fit.coefficients)})
     save_figures({"curves": curves(fit, sweeps).figure()}, folder)

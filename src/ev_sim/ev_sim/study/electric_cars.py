@@ -28,6 +28,7 @@ CLASSES, ASSUMPTIONS = "energy/drive_classes.csv", "energy/assumptions.csv"
 FITTED = "fitted"  # quantity of a row of the assumptions whose class is the code of a vehicle that they were fitted to
 _ONE, _TWO = "one machine", "two machines"  # of cars that no line of the classes names, by their driven axles
 _MOST = 1 << 22  # bytes of a file
+_LARGEST = 1e4  # of an assumption in its unit: no car has 10 kW of auxiliaries
 _INTERVAL = 0.2  # s, of the sums
 
 
@@ -71,7 +72,7 @@ def read_cars(file: Path | str) -> list[ElectricCar]:
     hwfet_mpge. Further ones are not read.
     """
     cars = []
-    for line, row in enumerate(_rows(file), 2):
+    for line, row in _rows(file):
 
         def number(column: str, least: float, line: int = line, row: Mapping[str, str] = row) -> float:
             text = row.get(column) or ""
@@ -119,15 +120,18 @@ _DRIVEN_AXLES = {
 }
 
 
-def _rows(file: Path | str) -> list[dict[str, str]]:
+def _rows(file: Path | str) -> list[tuple[int, dict[str, str]]]:
+    """The rows below the header, with their lines in the file; a line that begins with # is a comment."""
     text = read_data(file, _MOST).decode("utf-8-sig", "replace")
-    return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if not line.startswith("#")]
+    reader = csv.DictReader(line for _, line in lines)
+    return [(lines[reader.line_num - 1][0], row) for row in reader]
 
 
 @cache
 def _classes() -> tuple[tuple[str, str], ...]:
     """Part of the name of a model, and its class, in the order of the file: the first that fits counts."""
-    return tuple((row["model"], row["class"]) for row in _rows(find_file(CLASSES)))
+    return tuple((row["model"], row["class"]) for _, row in _rows(find_file(CLASSES)))
 
 
 def _class_of(name: str, axles: int) -> str:
@@ -136,20 +140,30 @@ def _class_of(name: str, axles: int) -> str:
 
 
 def read_assumptions(file: Path | str | None = None) -> Assumptions:
-    """Those of a file such as `config/energy/assumptions.csv`, which is the default; ParameterError if one lacks."""
+    """Those of a file such as `config/energy/assumptions.csv`, which is the default.
+
+    ParameterError if one lacks, is there twice or beyond what it can be.
+    """
     path = find_file(ASSUMPTIONS) if file is None else Path(file)
     values: dict[tuple[str, str], float] = {}
     fitted = set()
-    for line, row in enumerate(_rows(path), 2):
+    for line, row in _rows(path):
         if row.get("quantity") == FITTED:
             fitted.add(row.get("class") or "")
             continue
         try:
-            values[row["quantity"], row["class"]] = float(row["value"])
+            quantity, drive, value = row["quantity"], row["class"], float(row["value"])
         except (KeyError, TypeError, ValueError):
             raise ParameterError(
                 f"{path}, line {line}: {quoted(str(row))} is refused, allowed is quantity, class and a number as value"
             ) from None
+        most = 1.0 if quantity.endswith("efficiency") else _LARGEST
+        if not (0.0 < value <= most or (value == 0.0 and most > 1.0)):
+            expected = "above 0 and at most 1" if most == 1.0 else f"0 to {most:g}"
+            raise ParameterError(f"{path}, line {line}: {quantity} of {drive} is {value:g}, expected {expected}")
+        if (quantity, drive) in values:
+            raise ParameterError(f"{path}, line {line}: {quantity} of {drive} is there twice, expected once")
+        values[quantity, drive] = value
     classes = tuple(dict.fromkeys((_ONE, _TWO, *(drive for _, drive in _classes()))))
     try:
         return Assumptions(

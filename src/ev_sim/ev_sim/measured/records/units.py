@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from pathlib import Path
 
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError, quoted
@@ -23,6 +24,7 @@ _SAME = {
     "N m": ("N m",),
     "degC": ("degC",),
     "W": ("W",),
+    "kPa": ("kPa",),  # of no channel, but of rigs
 }
 # How the same units are written in CAN databases and in the headers of loggers, in lower case.
 _WRITTEN = {
@@ -47,6 +49,14 @@ def of_header(columns: Iterable[str]) -> dict[str, str]:
     """By column the unit that its name ends with, in brackets, as of "speed [km/h]"."""
     found = {name: match[1] for name in columns if (match := _BRACKETS.search(name))}
     return {name: unit for name, unit in found.items() if unit.strip().lower() in _WRITTEN}
+
+
+def refuse_other_units(file: Path, units: Mapping[str, str], expected: Mapping[str, str]) -> None:
+    """ParameterError if a file with a fixed format has a row of units with another one than its format has."""
+    for column, unit in expected.items():
+        written = units.get(column, "").strip()
+        if written not in _NONE and _WRITTEN.get(written.lower(), written) != unit:
+            raise ParameterError(f"{file}: {column} is in {quoted(written)}, expected {unit}")
 
 
 def with_unit(name: str, declared: ColumnParameters, of_file: str) -> ColumnParameters:
