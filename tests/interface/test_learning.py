@@ -212,6 +212,33 @@ def test_an_action_of_another_shape_is_refused_and_nothing_is_done(action):
     assert environment.simulation.time == 0.0
 
 
+@pytest.mark.parametrize("kind", ["torque_split", "traction_control", "steering"])
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, None, "3", 1j], ids=str)
+def test_an_action_that_is_no_finite_number_is_refused_and_nothing_is_done(kind, wrong):
+    """Neither as no limit at all, as NaN is in comparisons, nor behind a step that is done already."""
+    environment = Environment("double_lane_change", kind)
+    environment.reset(seed=1)
+    action = np.full(environment.action_space.shape, 1.0).astype(object if wrong is None else type(wrong))
+    action[-1] = wrong
+    with pytest.raises(ParameterError, match=r"^action .* is refused, expected are finite numbers$"):
+        environment.step(action)
+    assert environment.simulation.time == 0.0
+
+
+def test_a_limit_below_zero_lets_nothing_through():
+    """It does not drive the car: what is asked for is held at 0, as with the limit 0."""
+    found = []
+    for limit in (0.0, -100.0):
+        environment = Environment("launch_split_mu", "traction_control", run="fixed_steering")
+        environment.reset(seed=1)
+        for _ in range(100):
+            frame = environment.step(np.array([limit, limit]))[4]["frame"]
+        found.append(frame)
+    assert found[0]["torque_request.drive.front_left"] > 300.0
+    assert found[0]["torque_command.drive.front_left"] == 0.0
+    assert found[1] == found[0]
+
+
 def test_what_an_action_means():
     """Traction control lets through what is asked for up to its limit, either way."""
     environment = Environment("launch_split_mu", "traction_control", run="fixed_steering")

@@ -78,10 +78,11 @@ def _as_it_is(here: Frame, channels: tuple[str, ...], action: np.ndarray) -> dic
 
 
 def _limited(here: Frame, channels: tuple[str, ...], action: np.ndarray) -> dict[str, float]:
-    """The torques that are asked for at this instant, none larger than its limit, either way."""
+    """The torques that are asked for at this instant, none larger than its limit, either way; none for one below 0."""
     command, request = TOPICS[WheelTorqueCommand].name, TOPICS[WheelTorqueRequest].name
     asked = [here[request + channel.removeprefix(command)] for channel in channels]
-    limited = [max(min(torque, limit), -limit) for torque, limit in zip(asked, action.tolist(), strict=True)]
+    limits = [max(limit, 0.0) for limit in action.tolist()]
+    limited = [max(min(torque, limit), -limit) for torque, limit in zip(asked, limits, strict=True)]
     return dict(zip(channels, limited, strict=True))
 
 
@@ -247,20 +248,27 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         return self._seen(frame), self._info(frame)
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Go on by one control period; `truncated` where the scenario ends. ParameterError for another shape."""
+        """Go on by one control period; `truncated` where the scenario ends.
+
+        ParameterError for another shape, and for what is no finite number; nothing is done then.
+        """
         if not hasattr(self, "_own"):
             raise ParameterError("step is refused before the first reset, expected is reset() before it")
         if np.shape(action) != self.action_space.shape:
             allowed = f"{self.action_space.shape}, of {', '.join(self.channels)}"
             raise ParameterError(f"action of shape {np.shape(action)} is refused, allowed is {allowed}")
-        means = self._action.means(self._frame, self.channels, np.asarray(action, np.float64))
+        values = np.asarray(action)
+        if values.dtype.kind not in "fiub" or not np.isfinite(values).all():
+            raise ParameterError(f"action {quoted(str(values.tolist()))} is refused, expected are finite numbers")
+        values = values.astype(np.float64)
+        means = self._action.means(self._frame, self.channels, values)
         own = self._own
         # What equals the output of the law is that output: of two zeros one may have a sign.
         meant = {name: value for name, value in means.items() if value != self._answer[name]}
         frame = self.simulation.step({**self._answer, **meant})
         seen, info = self._seen(frame), self._info(frame)
         over = self.simulation.time > self.simulation.duration
-        return seen, float(self._reward(frame, action, own)), self._ends(frame), over, info
+        return seen, float(self._reward(frame, values, own)), self._ends(frame), over, info
 
     def render(self) -> Any:
         """The car from above at this instant and the way that it has come, None without `render_mode`."""
