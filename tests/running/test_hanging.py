@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from types import SimpleNamespace
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType, SimpleNamespace
 
 import pytest
 
@@ -16,12 +17,17 @@ from ev_sim.running.processes import Hanging
 PIDS = dict.fromkeys(("plant", "driver", "electronic_differential", "asr", "recorder"), 1)
 
 
-def named(waits: dict[str, tuple[str, ...]], realtime: bool = False, pids: dict[str, int] = PIDS) -> str | None:
+def named(
+    waits: dict[str, tuple[str, ...]],
+    realtime: bool = False,
+    pids: dict[str, int] = PIDS,
+    why: Mapping[str, Sequence[str]] = MappingProxyType({}),
+) -> str | None:
     """The line about a run that has come to 1 s of simulated time, and has stood still for long."""
     told = Told("/ev")
     told.time = 1.0
     for node, whom in waits.items():
-        told._take(node, Word(WAITS, values={"whom": list(whom)}))
+        told._take(node, Word(WAITS, values={"whom": list(whom), "why": [*why.get(node, ())]}))
     hanging = Hanging(told, pids, 0.0, realtime)
     hanging._since = time.monotonic() - 10.0
     return hanging.look()
@@ -41,6 +47,21 @@ def test_the_end_of_the_chain_is_named(who, waits):
     assert named(waits) == f"node {who} does not answer, at 1 s of simulated time"
 
 
+def test_what_the_nodes_that_wait_know_of_the_reason_is_said():
+    """The master looks into the graph, and each node knows which of its messages it has ignored."""
+    waits = {"plant": ("asr",), "asr": ("electronic_differential",)}
+    late = "torque_request at 1790000000.1 s ignored (reported once): 0.0 s is due"
+    line = "node electronic_differential does not answer, at 1 s of simulated time"
+    assert named(waits, why={"asr": [late]}) == f"{line}: {late}"
+    unfit = "/ev/electronic_differential publishes /ev/torque_request as best effort, expected reliable"
+    assert named(waits, why={"plant": [unfit], "asr": [late, unfit]}) == f"{line}: {unfit}; {late}"
+    assert named(waits, why={"driver": [unfit]}) == line  # which is not waited for
+
+
+def test_real_time_that_has_not_begun_waits_for_a_node():
+    assert "node asr does" in named({"plant": ("asr",)}, realtime=True)
+
+
 def test_in_real_time_the_recorder_knows():
     assert "node plant does" in named({"recorder": ("plant",)}, realtime=True)
     assert "node recorder does" in named({}, realtime=True)
@@ -55,7 +76,7 @@ def test_a_run_that_goes_on_or_rests_is_not_named_and_what_was_said_long_ago_doe
     hanging = Hanging(told, PIDS, 0.0, realtime=False)
     told.rests, hanging._since = True, time.monotonic() - 100.0
     assert hanging.look() is None
-    told._take("plant", Word(WAITS, values={"whom": ["asr"]}))
+    told._take("plant", Word(WAITS, values={"whom": ["asr"], "why": []}))
     later = time.monotonic() + 5.0
     monkeypatch.setattr(time, "monotonic", lambda: later)
     assert told.waits_for("plant", 1.0) is None
@@ -73,7 +94,7 @@ def test_a_node_says_for_whom_it_waits_once_its_steps_stand_still(monkeypatch):
     for _ in range(10):
         now[0] += 0.1
         waiting.look(9, ("plant",))
-    assert 3 <= len(said) <= 5 and said[0] == Word(WAITS, values={"whom": ["plant"]})
+    assert 3 <= len(said) <= 5 and said[0] == Word(WAITS, values={"whom": ["plant"], "why": []})
 
 
 def test_a_plant_that_waits_for_nothing_but_its_pace_does_not_hang(monkeypatch):

@@ -85,14 +85,15 @@ def missing(steps: Any) -> Any:
 def judged(steps: Any, stamp: int, i: int) -> Any:
     """What a message of an input is: NEW, REPEATED, OLD, GAP or RESTART."""
     last, period = steps.done[LAST], steps.period
-    ahead = stamp - last
+    ahead, above = stamp - last, stamp % period
+    if above % RUN != 0 or above >= RUNS:
+        return GAP  # between the instants of every run
     if ahead != period and last != NEVER:
         is_herald = steps.heralds >> i & 1 != 0
         if is_herald and ahead != 0 and (stamp == 0 or (last % period < stamp < RUNS and stamp % RUN == 0)):
             return RESTART  # of a later run, or of a master that is another one and counts from zero
         if ahead % period != 0:
-            above = stamp % period
-            return GAP if above % RUN != 0 or above >= RUNS else OLD  # of no instant, or of one of another run
+            return OLD  # of another run
         if ahead <= 0:
             return OLD if ahead < 0 else REPEATED
         leaves_out = is_herald and come_for(steps, last + period) >> i & 1 == 0
@@ -121,7 +122,7 @@ class Inbox:
     """Collects the numbers of one message of each kind per stamp, in a frame.
 
     `reads` are the signal types of one step, `period` is the step in nanoseconds. A node that has not stepped yet
-    takes any stamp as its first; from then on steps follow each other without a gap, unless `may_skip` (realtime,
+    takes any step as its first; from then on steps follow each other without a gap, unless `may_skip` (realtime,
     where the master does not wait). A message may run ahead of the next step by one more step, because the writers
     do not wait for each other within a step; the `heralds` need this node's step before they publish the next one.
 
@@ -179,8 +180,7 @@ class Inbox:
     @property
     def is_at_zero(self) -> bool:
         """Whether something of time zero has come, and nothing has been stepped behind it."""
-        last = self.steps.done[LAST]
-        return bool(last == 0 or (last < 0 and come_for(self.steps, 0)))
+        return self.last == 0 or bool(self.steps.done[LAST] < 0 and come_for(self.steps, 0))
 
     def expect(self, stamp: int) -> None:
         """Forget everything; the next step is the one of this stamp."""

@@ -22,6 +22,7 @@ class Reception:
         self._stepper, self._reports, self._publish = stepper, reports, publish
         self.arrivals = dict.fromkeys(Arrival, 0)  # of messages that were not just kept
         self.refused = 0  # messages that could not be read, or that the topic table does not allow
+        self.ignored: dict[type, str] = {}  # by signal, what was reported of the first message that was of no use
         self._gaps: set[Topic] = set()
         self._joined_late = False
         self._new_master = b""
@@ -83,16 +84,23 @@ class Reception:
     def refuse(self, topic: Topic, message: bytes, error: MessageError) -> None:
         """Count a message that is ignored, and report the first of each topic."""
         self.refused += 1
-        self._reports.note(topic.name, f"{topic.name}{_when(message)} ignored: {error}")
+        text = f"{topic.name}{_when(message)} ignored: {error}"
+        self.ignored.setdefault(topic.signal, text)
+        self._reports.note(topic.name, text)
 
     def report_gap(self, topic: Topic, stamp: int) -> None:
         """Report the first message of a topic whose stamp cannot belong to the run."""
-        last = self._stepper.inbox.last
-        if last is None or topic in self._gaps:
+        if topic in self._gaps:
             return
         self._gaps.add(topic)
-        due = stamps.to_seconds(last + self._stepper.period)
-        self._reports.warn(f"{topic.name} at {stamps.to_seconds(stamp)} s ignored (reported once): {due} s is due")
+        last, period = self._stepper.inbox.last, self._stepper.period
+        if last is None:  # any step may be the first
+            due = f"a multiple of {stamps.to_seconds(period)} s is expected"
+        else:
+            due = f"{stamps.to_seconds(last + period)} s is due"
+        text = f"{topic.name} at {stamps.to_seconds(stamp)} s ignored (reported once): {due}"
+        self.ignored.setdefault(topic.signal, text)
+        self._reports.warn(text)
 
 
 def _when(message: bytes) -> str:

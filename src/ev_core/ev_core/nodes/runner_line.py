@@ -11,7 +11,7 @@ import json
 import os
 import socket
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -20,7 +20,7 @@ RUNNER_LINE = (
 )
 PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME_SERVICE, TIMING, TALLY = WORD_KINDS = (
     "progress",  # of the recorder: `values` has the stamp up to which the run is held [ns]
-    "waits",  # `values` has the roles that a node waits for
+    "waits",  # `values` has the roles that a node waits for, and why, as far as it knows
     "warning",  # why the run may not be reproducible
     "note",  # reported once for each `what`, and changes no number
     "remark",  # what a part notes of the run
@@ -156,11 +156,11 @@ class Waiting:
         self._at: object = None
         self._next = 0.0  # when there is something to report
 
-    def look(self, at: object, whom: Iterable[str]) -> None:
-        """`at` is where the node is; the roles that it waits for matter where that stays."""
+    def look(self, at: object, whom: Iterable[str], why: Callable[[], list[str]] = list) -> None:
+        """`at` is where the node is; the roles that it waits for, and why, matter where that stays."""
         now = time.monotonic()
         if at != self._at:
             self._at, self._next = at, now + _LASTS
         elif now >= self._next:
             self._next = now + _LASTS
-            self._runner.tell(Word(WAITS, values={"whom": list(whom)}))
+            self._runner.tell(Word(WAITS, values={"whom": list(whom), "why": why()}))

@@ -130,8 +130,17 @@ class SteppedNode(Spinnable, Node):
     def idle(self) -> None:
         """Report to the runner the nodes that the next step waits for, none before its time; in real time nothing."""
         if not self.realtime:
-            whom = [WRITERS.get(signal, RECORDER) for signal in self.wanted()]
-            self._waiting.look(self.stepper.inbox.last, whom)
+            self.report_waiting(self.stepper.inbox.last, self.wanted())
+
+    def report_waiting(self, at: object, missing: tuple[type, ...]) -> None:
+        """Report that the node waits for these signals where it is, if it has been there for a while, and why."""
+        whom = [WRITERS.get(signal, RECORDER) for signal in missing]
+        self._waiting.look(at, whom, lambda: self.why_it_waits(missing) if missing else [])
+
+    def why_it_waits(self, missing: tuple[type, ...]) -> list[str]:
+        """What is wrong with the messages of these signals that have come."""
+        ignored = self.reception.ignored
+        return [ignored[signal] for signal in missing if signal in ignored]
 
     def close(self) -> None:
         """Report what the part notes of its last steps, and the sums of inputs and outputs as far as they are added."""

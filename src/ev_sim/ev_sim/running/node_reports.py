@@ -24,7 +24,7 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, SIZE, places
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.refusal import shown
+from ev_msgs_py.refusal import LINE, shown
 from ev_sim.recording.outcome import Outcome, RunFailed, announce
 from ev_sim.recording.recording import Recording
 
@@ -83,6 +83,7 @@ class NodeReports:
         self._words: list[str] = []
         self._noted: dict[str, str] = {}
         self._waits: dict[str, tuple[float, Sequence[str] | None]] = {}  # by node: when it reported so, and for whom
+        self._why: dict[str, Sequence[str]] = {}  # by node: why it waited when it last reported so
         self._adding: set[str] = set()  # nodes whose sums are due at the end
         self._tallies: dict[str, Mapping[str, Any]] = {}
 
@@ -121,6 +122,10 @@ class NodeReports:
         at, whom = self._waits.get(node, (-inf, None))
         return whom if time.monotonic() - at <= within else None
 
+    def why_it_waits(self, node: str) -> Sequence[str]:
+        """The reasons that a node has given when it last reported that it waits."""
+        return self._why.get(node, ())
+
     def look(self) -> None:
         """Take what was reported since the last look."""
         for node, line in self._lines.items():
@@ -136,6 +141,7 @@ class NodeReports:
             self.time = stamps.to_seconds(int(word.values["stamp"]))
         elif word.kind == WAITS:
             self._waits[node] = time.monotonic(), [str(each) for each in word.values["whom"]]
+            self._why[node] = [shown(each, LINE) for each in word.values["why"]]
         elif word.kind == TIMING:
             self.timing = dict(word.values)
         elif word.kind == TALLY:

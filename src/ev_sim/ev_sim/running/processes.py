@@ -72,7 +72,7 @@ class Hanging:
 
     A node that waits reports for whom; so it is the one at the end of that chain, which reports nothing. A chain that
     comes back ends with the node whose messages do not arrive: it waits for answers to them. In lockstep all wait for
-    the master, and it waits for one of them. In real time it waits for nobody, and the recorder is the one to ask.
+    the master, and it waits for one of them. Real time that has begun waits for nobody, and the recorder is asked.
     """
 
     def __init__(self, reports: NodeReports, pids: Mapping[str, int], patience: float, realtime: bool) -> None:
@@ -95,22 +95,27 @@ class Hanging:
             self._named = True
             if stopped:
                 return f"stopped by a signal: {', '.join(stopped)}, at {self._time:g} s of simulated time"
-            return f"node {self._who()} does not answer, at {self._time:g} s of simulated time"
+            chain = self._chain()
+            reasons = dict.fromkeys(why for node in chain for why in self._reports.why_it_waits(node))
+            line = f"node {chain[-1]} does not answer, at {self._time:g} s of simulated time"
+            return f"{line}: {'; '.join(reasons)}" if reasons else line
         return None
 
     def has_ended(self, name: str) -> None:
         """A node has come to its end: it need not answer any more."""
         self._pids.pop(name, None)
 
-    def _who(self) -> str:
+    def _chain(self) -> list[str]:
+        """The nodes that wait for each other; the last one does not answer."""
         if MASTER not in self._pids:
-            return RECORDER
-        chain = [RECORDER if self._realtime else MASTER]
+            return [RECORDER]
+        follows_the_clock = self._realtime and not self._reports.waits_for(MASTER, _RECENT)
+        chain = [RECORDER if follows_the_clock else MASTER]
         while whom := [each for each in self._reports.waits_for(chain[-1], _RECENT) or () if each in self._pids]:
             if whom[0] in chain:
                 break
             chain.append(whom[0])
-        return chain[-1]
+        return chain
 
 
 def _is_stopped(pid: int) -> bool:

@@ -7,77 +7,33 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cached_property
+from itertools import cycle, islice
 from types import SimpleNamespace
 from typing import Any
 
-from rclpy.node import Node
-from rclpy.qos import ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
 from ev_core.lockstep.inbox import Arrival
-from ev_core.lockstep.stepper import WRITERS, Answer
+from ev_core.lockstep.stepper import Answer
 from ev_core.node_loop.ordinary_steps import End
 from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.nodes.master.schedule import Schedule, serve_time
+from ev_core.nodes.master.silence import Silence, full_name, misfits
 from ev_core.nodes.reports import wait_until_heard
 from ev_core.nodes.runner_line import TIMING, Word
 from ev_core.nodes.signal_io import NAMELESS, QUALITY
 from ev_core.nodes.stepped_node import SteppedNode
 from ev_msgs_py.contract import stamps
-from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES, REQUIRED, ROLES
+from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire import stamp_alone
 
-
-class Silence:
-    """Names the nodes that do not answer, and again when more is known: a killed one leaves the graph seconds later."""
-
-    def __init__(self, node: Node) -> None:
-        self._node = node
-        self.answered()
-
-    def answered(self) -> None:
-        """A step was taken; the clock is read when nothing comes after it."""
-        self._since: float | None = None
-        self._reported: tuple[object, ...] = ()
-
-    def name_after(self, timeout: float, missing: tuple[type, ...], now: int) -> None:
-        """Say who is missing at a stamp, once every `timeout` seconds of wall time."""
-        wall = time.monotonic()
-        if self._since is None:
-            self._since = self._named = wall
-        if wall - self._named <= timeout:
-            return
-        self._named = wall
-        space = self._node.get_namespace()
-        there = {name for name, where in self._node.get_node_names_and_namespaces() if where == space}
-        wanted = {*REQUIRED, *(WRITERS[kind] for kind in missing)}
-        gone = [role for role in ROLES if role in wanted and role not in there]
-        reasons = [f"not in the graph: {', '.join(gone)}"] if gone else [*self._reasons(missing)]
-        where = "; ".join(reasons or ["all nodes are in the graph, one does not answer"])
-        if (where, missing) != self._reported:
-            self._reported = where, missing
-            waits = ", ".join([f"{kind.__name__} of {WRITERS[kind]}" for kind in missing] or ["the recorder"])
-            at = stamps.to_seconds(now)
-            self._node.get_logger().error(f"waiting for {waits} at {at} s for {wall - self._since:.1f} s; {where}")
-
-    def _reasons(self, missing: tuple[type, ...]) -> Iterator[str]:
-        """Why nothing of a node that is there can be taken, as far as the graph knows."""
-        for kind in missing:
-            topic, role = TOPICS[kind].name, WRITERS[kind]
-            ends = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(topic))
-            own = [end for end in ends if end.node_name == role]
-            if not own:
-                yield f"{role} has no publisher of {topic}"
-            elif any(end.qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT for end in own):
-                yield f"{role} publishes {topic} as best effort, expected reliable"
-
-
 _CLOCK_TOPIC = "/clock"
 _CLOCK = SimpleNamespace(template=stamp_alone(0), mask=b"", runs=(), code="d")  # messages without numbers
-_LOOK_PERIOD = 1.0  # s of wall time between looks for other clocks
+_LOOK_PERIOD = 1.0  # s of wall time between looks for other clocks and at the ends of topics
+_AT_ONCE = 9  # topics, of which a look takes half a millisecond: real time goes on
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
 # It doubles up to this where that does not help: each repetition is answered by all, and publishers keep 256 messages,
 # which a recorder that is held up for seconds has still to receive.
@@ -95,9 +51,11 @@ class MasterNode(SteppedNode):
         super().__init__(MASTER, **node_arguments)
         self._clock_topic = self.create_publisher(Clock, _CLOCK_TOPIC, QUALITY).handle
         self._silence = Silence(self)
+        self._topics = cycle(TOPICS.values())
         serve_time(self, self.schedule, self._begin, self.reports)
         self.every(_RETRY_PERIOD, self.idle)
         self.every(_LOOK_PERIOD, self._name_other_clocks)
+        self.every(_LOOK_PERIOD, self._name_misfits)
         self._begin()
 
     @cached_property
@@ -136,8 +94,8 @@ class MasterNode(SteppedNode):
             if readable is not None:
                 if kind is RECORDER_WRITES:
                     note(readable[0])
-                else:
-                    hold(kind, *readable)
+                elif not hold(kind, *readable):
+                    report_gap(topic, readable[0])
             go_on()  # a step that is due waits for no pause between messages
 
         return take_newest if self.realtime or kind is RECORDER_WRITES else take
@@ -156,12 +114,18 @@ class MasterNode(SteppedNode):
         if self.done or self.schedule.rests:
             return
         super().idle()
+        if self.realtime and self.schedule.missing:
+            self.report_waiting(self.now, self.schedule.missing)
         if not self.schedule.all_are_here and time.monotonic() - self._spoke >= self._retry_period:
             self._repeat()
             if self.now:  # before that nodes are still coming up
                 self._retry_period = min(2.0 * self._retry_period, _LONGEST_RETRY)
             self.health.late_answers += 1
             self._silence.name_after(self.configuration.extra.answer_timeout, self.schedule.missing, self.now)
+
+    def why_it_waits(self, missing: tuple[type, ...]) -> list[str]:
+        """What is wrong with the graph, and with messages that have come."""
+        return [*self._silence.reasons(missing), *super().why_it_waits(missing)]
 
     def free_until(self) -> int:
         """Stamp of the last instant at which time may go on as soon as all inputs are there."""
@@ -182,11 +146,17 @@ class MasterNode(SteppedNode):
         """Report masters that share the clock: time goes back and forth there for all who follow it."""
         clock, own = self.resolve_topic_name(_CLOCK_TOPIC), self.get_fully_qualified_name()
         ends = self.get_publishers_info_by_topic(clock)
-        names = {f"{end.node_namespace.rstrip('/')}/{end.node_name}" for end in ends}
+        names = {full_name(end) for end in ends}
         # A former master of the own name, which has ended, may still be listed.
         for other in sorted(name for name in names - {own} if NAMELESS not in name):
             rule = f"-r {_CLOCK_TOPIC}:={_CLOCK_TOPIC.strip('/')}"
             self.reports.note(clock, f"{other} publishes {clock} as well; {rule} lets each have its own")
+
+    def _name_misfits(self) -> None:
+        """Report what does not fit on the next topics."""
+        for topic in islice(self._topics, _AT_ONCE):
+            for each in misfits(self, topic):
+                self.reports.note(each.line, each.line)
 
     def _repeat(self) -> None:
         """Publish once more, first what most nodes receive: their step goes on while the rest is being published."""

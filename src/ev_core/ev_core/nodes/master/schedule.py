@@ -155,18 +155,26 @@ class Schedule:
         inputs = self.held.at(share, self._parameters.command_loss_brake_torque)
         return self._stepper.step_with(now + self._stepper.inbox.run, inputs)
 
-    def hold(self, kind: type, stamp: int, numbers: Sequence[float]) -> None:
-        """Keep an input of realtime, which begins when every input has come once."""
+    def hold(self, kind: type, stamp: int, numbers: Sequence[float]) -> bool:
+        """Keep an input of realtime, which begins when all have come once; False if no run explains its stamp."""
         waited = not self.all_are_here
         instant = stamp - self._stepper.inbox.run
         # What integrates publishes the next instant.
         limit = self.now + 2 * self._stepper.period if instant % self._stepper.period == 0 else -1
         if not self.held.take(kind, instant, numbers, limit):
-            self.timing.refused[kind] += instant != self.held.stamp_of(kind)  # repeated ones are none the worse for it
-            return
+            newest = self.held.stamp_of(kind)
+            self.timing.refused[kind] += instant != newest  # repeated ones are none the worse for it
+            is_old = 0 <= instant <= newest and instant % self._stepper.period == 0
+            return is_old or self._is_of_another_run(stamp)
         self.timing.arrival[kind].add(time.monotonic() - self._pace.due(instant, self._factor))
         if waited:
             self._begin_here()
+        return True
+
+    def _is_of_another_run(self, stamp: int) -> bool:
+        """Whether it was still under way when time was reset."""
+        above = stamp % self._stepper.period
+        return above != self._stepper.inbox.run and above % stamps.RUN == 0 and above < stamps.RUNS
 
     def _begin_here(self) -> None:
         """What has waited for others until now is not late."""
