@@ -52,6 +52,47 @@ def test_a_record_without_what_is_imposed_is_refused(tmp_path, capsys):
     assert "steering_column.state.angle" in str(ended.value)
 
 
+@pytest.mark.parametrize("lacking", ["twist.longitudinal", "twist.yaw_rate"])
+def test_a_record_without_speed_or_yaw_rate_is_refused(tmp_path, lacking):
+    path = write(tmp_path, columns_of(driven()))
+    mapping = tmp_path / "made.yaml"
+    lines = mapping.read_text().replace(", x: 1.0, y: 0.5", "").splitlines()
+    mapping.write_text("\n".join(line for line in lines if lacking not in line))
+    with pytest.raises(SystemExit, match=f"unknown channel of .*made.csv '{lacking}'"):
+        main(["validate", str(path), "--vehicle", CAR, "--out", str(tmp_path / "out")])
+
+
+OF_THE_RECORD = [
+    ("speed", "plant.speed=free"),
+    ("speed", "*.initial_hold=0.0"),
+    ("pedals", "plant.initial_speed=3.0"),
+    ("speed", "plant.imposed_speed.speed=[1.0]"),
+    ("speed", "steering_column.angle=[0.0]"),
+    ("speed", "driver.pedals.begin=false"),
+    ("torques", "electronic_differential.drive.front_left=[10.0]"),
+]
+
+
+@pytest.mark.parametrize(("imposed", "value"), OF_THE_RECORD, ids=[value for _, value in OF_THE_RECORD])
+def test_a_value_that_a_replay_has_from_the_record_is_refused(tmp_path, imposed, value):
+    """It would have no effect, or none that anybody could want."""
+    path, name = write(tmp_path, columns_of(driven())), value.partition("=")[0]
+    with pytest.raises(SystemExit, match=f"error: {re.escape(name)} is refused: a replay has it from the record"):
+        main(["validate", str(path), "--vehicle", CAR, "--impose", imposed, "--set", value])
+    with pytest.raises(SystemExit, match=r"plant\.initial_speed is refused: a replay has it from the record"):
+        main(["identify", str(path), "--vehicle", CAR, "--window", "2", "--free", "plant.initial_speed",
+              "--out", str(tmp_path / "out")])  # fmt: skip
+
+
+def test_a_replay_has_the_period_of_the_record(tmp_path):
+    """Another one of --set or of a file would put its instants beside those that were measured."""
+    path, other = write(tmp_path, columns_of(driven())), tmp_path / "other.yaml"
+    other.write_text("/**:\n  ros__parameters:\n    control_period: 0.002\n")
+    for given, period in ((["--set", "*.control_period=0.02"], "0.02"), (["--params", str(other)], "0.002")):
+        with pytest.raises(SystemExit, match=f"control_period is {period} s, expected that of the record, 0.01 s"):
+            main(["validate", str(path), "--vehicle", CAR, *given])
+
+
 def test_the_torque_of_each_wheel_is_imposed_by_itself(tmp_path, capsys):
     """A car straight ahead that only a difference of its front torques turns, and a brake at one rear wheel.
 

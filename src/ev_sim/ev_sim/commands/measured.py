@@ -39,7 +39,7 @@ from ev_sim.measured.records.record import (
 )
 from ev_sim.measured.replays.corridors import CORRIDOR, corridor_parameters
 from ev_sim.measured.replays.estimates import estimates_of
-from ev_sim.measured.replays.open_loop import IMPOSED, ROLES_OF_REPLAY, OpenLoop, Windows, graph, windows_of
+from ev_sim.measured.replays.open_loop import IMPOSED, ROLES_OF_REPLAY, OpenLoop, Windows, graph, refuse_own, windows_of
 from ev_sim.measured.replays.plausibility import contradictions
 from ev_sim.measured.replays.validation import FILES, Validation, signals_to_show
 from ev_sim.measured.rig import read_rig
@@ -204,9 +204,8 @@ def _identify_tyre(given: argparse.Namespace, command: str) -> None:
         fit = fit_tyre(sweeps)
         print(tyre_table(fit))
         write_tyre(folder.directory, fit, sweeps, given.friction_scale, command)
-    if sweeps.passed_over:
-        print(f"note: {sweeps.passed_over} samples passed over, which lack a number or have no load")
-    print(f"{sweeps.count} sweeps; tyre: {folder.directory / TYRE}")
+    passed_over = f"{sweeps.passed_over} samples passed over that lack a number or have no load"
+    print(f"{sweeps.count} sweeps, {passed_over}; tyre: {folder.directory / TYRE}")
 
 
 def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
@@ -272,6 +271,7 @@ def _replay(given: argparse.Namespace, record: MeasuredRecord, windows: Windows,
         raise ParameterError("--duration is refused: a replay lasts as long as its windows, allowed is --window")
     if given.vehicle is None:
         raise ParameterError("--vehicle is missing: which car?")
+    refuse_own(changed, given.impose)
     configurations = graph(given.vehicle, record.period, changed, given.impose)
     return OpenLoop(record, windows, configurations, signals_to_show(), given.impose, given.smooth)
 

@@ -108,6 +108,20 @@ _OWN: Mapping[str, Mapping[str, Any]] = {
     "asr": {"method": "off"},
 }
 ROLES_OF_REPLAY = tuple(_OWN)
+# What each window has from the record, by role: parameters, or groups of them.
+_OF_RECORD = {
+    "plant": (
+        "speed",
+        "imposed_speed",
+        "initial_speed",
+        "initial_hold",
+        "initial_lateral_velocity",
+        "initial_yaw_rate",
+    ),
+    "steering_column": ("time", "angle"),
+    "driver": ("pedals",),
+}
+_OF_TORQUES = {"electronic_differential": ("time", "drive", "brake")}
 
 
 def graph(
@@ -135,7 +149,19 @@ def graph(
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}") from None
     check_graph(configurations)
+    own_period = configurations["plant"].common.control_period
+    if own_period != period:
+        raise ParameterError(f"control_period is {own_period:g} s, expected that of the record, {period:g} s")
     return configurations
+
+
+def refuse_own(changed: Overrides, imposed: str) -> None:
+    """ParameterError for a single value that a replay has from its record: it would have no effect."""
+    of_record = {**_OF_RECORD, **(_OF_TORQUES if imposed == "torques" else {})}
+    for node, key, _ in changed.values:
+        names = [name for role, of in of_record.items() if node in ("*", role) for name in of]
+        if any(key == name or key.startswith(f"{name}.") for name in names):
+            raise ParameterError(f"{node}.{key} is refused: a replay has it from the record, expected is no such value")
 
 
 class OpenLoop:
@@ -146,7 +172,7 @@ class OpenLoop:
     speed that is imposed and what a window begins from are smoothed with a `cut_off` [Hz], by their noise for None
     (`smoothing`), so that noise is no force; 0 takes the samples as they are. A car whose lateral velocity was not
     measured begins `LEAD` before the window without any. `notes` has what was made of speed and torques.
-    ParameterError if the record lacks what is imposed.
+    ParameterError if the record lacks the yaw rate or what is imposed.
     """
 
     def __init__(
@@ -169,7 +195,7 @@ class OpenLoop:
         ahead = np.maximum(windows.first[:, None] + np.arange(-self._lead, windows.size), 0)
         begin = windows.first if held else ahead[:, 0]
         time = [round(n * record.period, 9) for n in range(size)]
-        smooth = {name: smoothed(record, name, cut_off) for name in SMOOTHED if name in record.channels}
+        smooth = {name: smoothed(record, name, cut_off) for name in SMOOTHED if name != LATERAL or held}
         speed = smooth[LONGITUDINAL][ahead]
         self._fixed: dict[str, list[Any]] = {
             "plant.speed": ["imposed" if self.is_imposed else "free"] * len(windows),
@@ -247,6 +273,8 @@ class OpenLoop:
         count = len(self.windows)
         vary = {name: values * len(cars) for name, values in self._fixed.items()}
         for name in cars[0]:
+            if name in self._fixed:
+                raise ParameterError(f"{name} is refused: a replay has it from the record, expected is another one")
             vary[name] = [car[name] for car in cars for _ in range(count)]
         found = batch(self.configurations, self._duration, vary, signals=self._signals).signals
         shaped = {n: values[:, self._lead :].reshape(len(cars), count, -1) for n, values in found.items()}
