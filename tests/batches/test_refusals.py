@@ -10,6 +10,7 @@ from toy_methods import toy_graph
 from ev_core.lockstep.parts import method_part
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.batch import batch
+from ev_sim.batches.by_period import PERIOD, batch_by_period
 from ev_sim.batches.observer import mean
 from ev_sim.batches.whole_runs import Ending
 
@@ -85,3 +86,11 @@ def test_values_that_do_not_fit_together():
     vary = {"*.vehicle.tyre.longitudinal_stiffness": [3e5, 1e7], "*.vehicle.wheel_inertia": [1.0, 0.01]}
     with pytest.raises(ParameterError, match=r"^run 1: plant: vehicle.tyre: stiffness and damping_time need steps of"):
         batch(lane_change(), 1.0, vary)
+
+
+def test_a_fault_that_strikes_at_no_instant_of_another_period():
+    """From 0.05 s until 0.06 s lie an instant of 10 ms and none of 40 ms; such a run would be that of a sound car."""
+    graph = {**lane_change()}
+    graph["plant"] = graph["plant"].changed({"faults": ["constant imu.yaw_rate 0.5 from 0.05 until 0.06"]})
+    with pytest.raises(ParameterError, match=r"strikes at no instant, .* control_period, 0.04 s"):
+        batch_by_period(graph, 0.1, {PERIOD: [0.01, 0.04]}, ())

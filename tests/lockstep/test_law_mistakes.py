@@ -119,6 +119,8 @@ SHARED = {
     "s.before, s.now[0] = s.now, 1.0": r"by s\.before\[:\] = s\.now",
     "s.before[:] = s.now": "",
     "s.before = s.now[:]": r"by s\.before\[:\] = s\.now\[:\]",
+    "s.before = a = s.now": r"by s\.before\[:\] = s\.now",
+    "s.before = request.drive": r"by s\.before\[:\] = request\.drive",
 }
 
 

@@ -19,7 +19,9 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
+from ev_core.compiled.lists_of_state import wrong_lists
 from ev_core.compiled.part_source import law_of
+from ev_core.compiled.unassigned import unassigned
 from ev_core.compiling.machine_code import TakesInterpreter
 from ev_core.methods.index_error import parsed
 from ev_core.methods.law import GIVEN, Law, LawObject
@@ -74,7 +76,9 @@ def wrong_answer(method: Method, parameters: Any, vehicle: Any, period: float) -
     try:
         with _unseen():
             found = None if law.heavy else _of_answer(method, LawObject(law, parameters, vehicle, period))
-    except Exception:  # a step with inputs out of nowhere: what it raises need not be a mistake
+    except (TypeError, NameError) as error:  # of the text, whatever the inputs are
+        found = _raised(error)
+    except Exception:  # a step with inputs out of nowhere: what else it raises need not be a mistake
         return ""
     return line_about(method, *found) if found else ""
 
@@ -100,7 +104,8 @@ def wrong_text(method: Method, functions: Iterable[FunctionType]) -> str:
     for function in filter(marked.__contains__, functions):
         own = function in (law.function, law.outputs)
         found = _wrong(function, tuple(inspect.signature(function).parameters) if own else ())
-        for node, what in (*found, *(_shared(function, law.state()) if own else ())):
+        of_state = wrong_lists(_tree(function), law.state()) if own else ()
+        for node, what in (*found, *of_state, *unassigned(_tree(function), function)):
             file, line = beginning(function)
             return line_about(method, file, line + node.lineno - 1, what)
     return ""
@@ -145,41 +150,6 @@ def _wrong(function: FunctionType, arguments: tuple[str, ...]) -> Iterator[tuple
             yield node, f"{name} is written, {root} is only read: {instead}"
 
 
-def _shared(function: FunctionType, state: Any) -> Iterator[tuple[ast.stmt, str]]:
-    """Where several numbers of the state are assigned as one: compiled they are copied, in plain Python shared."""
-    for node in (each for each in ast.walk(_tree(function)) if isinstance(each, ast.Assign)):
-        for target in node.targets:
-            for place, value in _pairs(target, node.value):
-                if isinstance(_in_state(place, state), list) and isinstance(_in_state(_whole(value), state), list):
-                    to, of = ast.unparse(place), ast.unparse(value)
-                    yield node, f"{to} = {of} may make them one list, numbers are copied by {to}[:] = {of}"
-
-
-def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
-    """Targets and values of an assignment, one by one where both are tuples."""
-    if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
-        return list(zip(target.elts, value.elts, strict=False))
-    return [(target, value)]
-
-
-def _whole(value: ast.expr) -> ast.expr:
-    """What a slice is one of; anything else as it is."""
-    return value.value if isinstance(value, ast.Subscript) and isinstance(value.slice, ast.Slice) else value
-
-
-def _in_state(node: ast.expr, state: Any) -> Any:
-    """What an expression such as s.ring or s.wheels[i].ring is in a state; None if it is anything else."""
-    match node:
-        case ast.Name(id="s"):
-            return state
-        case ast.Attribute(value=of, attr=name):
-            return getattr(_in_state(of, state), name, None)
-        case ast.Subscript(value=of, slice=place) if not isinstance(place, ast.Slice):
-            each = _in_state(of, state)
-            return each[0] if isinstance(each, list) else None
-    return None
-
-
 def _is_text(node: ast.AST) -> bool:
     return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
@@ -216,9 +186,14 @@ def _in_python(method: Method, made: LawObject) -> tuple[str, int, str] | None:
         with _unseen():
             return _of_answer(method, made)
     except Exception as error:  # whatever the law raises
-        frames = [each for each in traceback.extract_tb(error.__traceback__) if is_of_author(each.filename)]
-        at = frames[-1] if frames else None
-        return (at.filename, at.lineno or 0, in_words(error)) if at and at.filename != __file__ else None
+        return _raised(error)
+
+
+def _raised(error: Exception) -> tuple[str, int, str] | None:
+    """Where the author's text has raised an error, and what it is; None if no line of it has."""
+    frames = [each for each in traceback.extract_tb(error.__traceback__) if is_of_author(each.filename)]
+    at = frames[-1] if frames else None
+    return (at.filename, at.lineno or 0, in_words(error)) if at and at.filename != __file__ else None
 
 
 def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:

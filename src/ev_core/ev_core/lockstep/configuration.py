@@ -115,7 +115,8 @@ class Configuration:
             changed["extra"] = extra
             made = dataclasses.replace(self, **changed)
             same = parameters is self.parameters and own_faults is self.own_faults
-            return made if same and common.vehicle is self.common.vehicle else _fitting(made)
+            same = same and common.vehicle is self.common.vehicle and made.period == self.period
+            return made if same else _fitting(made)
         kind = type(self.extra) if self.extra is not None else None
         is_same = values.get(_METHOD, self.method.name) == self.method.name
         return configure(self.role, {**self.values(), **values}, kind, self.method if is_same else None)
