@@ -1,8 +1,6 @@
 """A Gymnasium environment around `ev_sim.Simulation`: any scenario, one role of it played by a learner.
 
-An action names the role whose place the learner takes, and how its numbers become what that role writes. The rewards
-of its own are simple, bounded below by what a car can do badly. A reward is a function of the frame after the step, the
-action, and the action that stands for what the scenario's own law wrote at the same instant.
+An action names the role whose place the learner takes, and how its numbers become what that role writes.
 """
 
 from __future__ import annotations
@@ -26,6 +24,7 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.interface.driving import Name
 from ev_sim.interface.simulation import Simulation, SteppedLaw
 from ev_sim.learning.limits import LARGEST_HAND_TORQUE, limits, motor_torques
+from ev_sim.learning.rewards import CalmYaw, Reward, like_the_driver, quick_without_slip
 from ev_sim.learning.view import picture
 from ev_sim.plant.guard import guard_limits
 
@@ -99,49 +98,6 @@ ACTIONS = {
         np.asarray,
     ),
 }  # fmt: skip
-
-
-Reward = Callable[[Mapping[str, float], np.ndarray, np.ndarray], float]
-
-LARGE_YAW_ACCELERATION = 1.0  # [m/s^2], of the lateral acceleration that is not the one of a neutral car
-LARGE_SLIP_RATIO = 0.1  # about where tyres on snow and wet roads give most
-LARGE_DIFFERENCE = 1.0  # [N m], of hand torques
-
-
-@dataclass(frozen=True)
-class CalmYaw:
-    """Minus the squares of yaw rate beside that of a neutral car, times the speed, and of the largest slip ratio.
-
-    A neutral car turns by V/L tan(delta) = V delta/L for the angles of driving.
-    """
-
-    wheelbase: float
-    steering_ratio: float
-
-    def __call__(self, frame: Mapping[str, float], action: np.ndarray, own: np.ndarray) -> float:
-        """The reward."""
-        speed = frame["twist.longitudinal"]
-        neutral = speed * frame["steering_column.state.angle"] / (self.steering_ratio * self.wheelbase)
-        error = speed * (frame["imu.yaw_rate"] - neutral) / LARGE_YAW_ACCELERATION
-        return -error * error + little_slip(frame, action, own)
-
-
-def little_slip(frame: Mapping[str, float], action: np.ndarray, own: np.ndarray) -> float:
-    """Minus the square of the largest slip ratio; 0 for a plant whose wheels cannot slip."""
-    slips = [abs(frame.get(f"tire_forces.slip_ratio.{wheel}", 0.0)) for wheel in WHEEL_NAMES]
-    ratio = max(slips) / LARGE_SLIP_RATIO
-    return -ratio * ratio
-
-
-def quick_without_slip(frame: Mapping[str, float], action: np.ndarray, own: np.ndarray) -> float:
-    """Acceleration [m/s^2] beside the slip that it costs."""
-    return frame["imu.longitudinal_acceleration"] + little_slip(frame, action, own)
-
-
-def like_the_driver(frame: Mapping[str, float], action: np.ndarray, own: np.ndarray) -> float:
-    """Minus the squared distance to the hand torque of the scenario's own driver."""
-    difference = float(action[0] - own[0]) / LARGE_DIFFERENCE
-    return -difference * difference
 
 
 _LARGEST_SEED = 2**31 - 1
