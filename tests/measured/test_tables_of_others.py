@@ -135,6 +135,16 @@ def test_a_clock_that_was_set_late_or_runs_backwards_is_named(tmp_path):
         read_record(write(tmp_path, columns), tmp_path / "made.yaml")
 
 
+def test_times_of_another_unit_that_leave_no_period_are_refused(tmp_path):
+    """Seconds that the mapping takes for microseconds."""
+    columns = columns_of(driven())
+    columns["t"] = 1e-3 * columns["t"]
+    path, mapping = write(tmp_path, columns), tmp_path / "made.yaml"
+    mapping.write_text(MAPPING.replace("unit: ms", "unit: us"))
+    with pytest.raises(ParameterError, match=r"made\.csv: samples are 1e-08 s apart, .*: unit of the time\?"):
+        read_record(path, mapping)
+
+
 @pytest.mark.parametrize(("first", "second"), [(1201, 900), (700, 1201)])
 def test_of_two_drives_in_one_file_the_longer_one_is_read(tmp_path, first, second):
     """Each begins at 0 s: no instant of the one stands behind those of the other, as if the car had jumped there."""

@@ -159,7 +159,10 @@ def measured(
         if np.isfinite(each.values).sum() < 2:
             raise ParameterError(f"{source}: {name} has less than two finite numbers")
     clock = columns.get(YAW_RATE, next(iter(columns.values())))[0].time
-    period = round(float(np.median(np.diff(clock))), 6)
+    step = float(np.median(np.diff(clock)))
+    period = round(step, 6)
+    if not period:
+        raise ParameterError(f"{source}: samples are {step:.3g} s apart, expected 1e-06 s or more: unit of the time?")
     begin, end = (pick(each.time[n] for each, _ in columns.values()) for pick, n in ((max, 0), (min, -1)))
     instants = np.arange(int((end - begin) / period + 1.5) if end > begin else 0) * period
     if len(instants) < 2:
