@@ -22,7 +22,9 @@ from ev_sim.scenarios.scenario import Overrides, load_scenario
 EPOCH = 1_700_000_000  # s
 
 
-def write_bag(folder: Path, topics: tuple[str, ...] = ("/imu", "/odom", "/steering"), aside: float = 1.0) -> Path:
+def write_bag(
+    folder: Path, topics: tuple[str, ...] = ("/imu", "/odom", "/steering"), aside: float = 1.0, unstamped: str = ""
+) -> Path:
     """What rosbag2 records of a car with standard messages: 100 Hz imu, 50 Hz odometry and steering, no lateral one."""
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -66,7 +68,8 @@ def write_bag(folder: Path, topics: tuple[str, ...] = ("/imu", "/odom", "/steeri
             connection = writer.add_connection(topic, types[make], typestore=store)
             for n in range(0, len(run.time), every):
                 time = round(n * PERIOD * 1e9)
-                stamp = header(of["builtin_interfaces/msg/Time"](EPOCH + time // 10**9, time % 10**9), "base_link")
+                at = (0, 0) if topic == unstamped else (EPOCH + time // 10**9, time % 10**9)
+                stamp = header(of["builtin_interfaces/msg/Time"](*at), "base_link")
                 data = store.serialize_cdr(make(stamp, run.channels, n), types[make])
                 writer.write(connection, EPOCH * 10**9 + time, data)
     return folder / "bag"
@@ -109,6 +112,16 @@ def test_a_car_is_identified_from_a_bag_that_knows_no_lateral_velocity(tmp_path,
 def test_a_bag_that_says_too_little_or_too_much_is_refused(tmp_path, topics, message):
     with pytest.raises(ParameterError, match=message):
         read_standard(write_bag(tmp_path, topics))
+
+
+def test_a_topic_without_stamps_beside_others_with_stamps_is_named(tmp_path):
+    """The recorder's clock has a delay, and may be quite another one."""
+    for name in ("without", "all"):
+        (tmp_path / name).mkdir()
+    record = read_standard(write_bag(tmp_path / "without", unstamped="/odom"))
+    count = len(driven().time[::2])
+    assert f"/odom: {count} messages without a stamp count by when they were recorded" in record.notes
+    assert not any("without a stamp" in note for note in read_standard(write_bag(tmp_path / "all")).notes)
 
 
 def test_a_mapping_names_fields_of_a_bag(tmp_path):

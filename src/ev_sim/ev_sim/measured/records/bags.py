@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -66,20 +66,23 @@ def read_columns(bag: Path, wanted: Sequence[str]) -> Read:
                 raise ParameterError(f"{bag}: {unknown_name('topic', topic, sorted(topics))}")
         times: dict[str, list[float]] = defaultdict(list)
         values: dict[str, list[float]] = defaultdict(list)
+        stamped, unstamped = Counter[str](), Counter[str]()
         for connection, came, data in reader.messages([c for c in reader.connections if c.topic in by_topic]):
             message = reader.deserialize(data, connection.msgtype)
             stamp = getattr(getattr(message, "header", None), "stamp", None)
-            time = (
-                stamp.sec + 1e-9 * stamp.nanosec if stamp is not None and (stamp.sec or stamp.nanosec) else 1e-9 * came
-            )
-            times[connection.topic].append(time)
+            is_stamped = stamp is not None and (stamp.sec or stamp.nanosec)
+            (stamped if is_stamped else unstamped)[connection.topic] += 1
+            times[connection.topic].append(stamp.sec + 1e-9 * stamp.nanosec if is_stamped else 1e-9 * came)
             for column, path in by_topic[connection.topic]:
                 values[column].append(_number(bag, message, column, path))
     columns = {}
     for topic, of in by_topic.items():
         for column, _ in of:
             columns[column] = Sampled(np.array(times[topic]), np.array(values[column]))
-    return Read(columns)
+    # Where all count by when they were recorded it is one clock; beside stamps it is another one.
+    late = unstamped.items() if stamped else ()
+    notes = (f"{topic}: {count} messages without a stamp count by when they were recorded" for topic, count in late)
+    return Read(columns, notes=tuple(notes))
 
 
 def is_foreign(bag: Path) -> bool:

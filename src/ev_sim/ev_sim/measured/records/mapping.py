@@ -59,7 +59,7 @@ def read_standard(bag: Path) -> MeasuredRecord:
     found = {name: (read.columns[column], ColumnParameters()) for name, column in chosen.items()}
     notes = tuple(f"{name} is {column}, taken as measured at the centre of mass" for name, column in chosen.items())
     record = measured(str(bag), read.digest, found, MaskParameters())
-    return record.noted(notes)
+    return record.noted(read.notes + notes)
 
 
 def _given(mapping: Path) -> Mapping[str, Any]:
