@@ -271,6 +271,10 @@ BAD = {
         ["--ros-args", "-r", "__node:=tc"],
         "__node: 'tc' is refused, expected driver",
     ),
+    "quality of service": (
+        ["--ros-args", "-p", "qos_overrides./driver/command.publisher.reliability:=best_effort"],
+        "parameter qos_overrides./driver/command.publisher.reliability is refused: the quality of service",
+    ),
     "argument without --ros-args": (["-p", "vehicle.mass:=3000.0"], "--ros-args"),
 }
 

@@ -13,7 +13,7 @@ from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from ros_graph import NAMESPACE, NODES, Graph, graph, publisher, shchur
+from ros_graph import NAMESPACE, NODES, Graph, graph, node_of, publisher, shchur
 from std_msgs.msg import Float64MultiArray
 
 from ev_core.nodes.signal_io import QUALITY
@@ -120,6 +120,16 @@ def test_nothing_is_named_in_a_graph_that_fits(tmp_path: Path):
         assert nodes.probe.reports == []
 
 
+def test_a_node_of_another_namespace_is_named(tmp_path: Path):
+    """The commonest mistake in starting nodes by hand: without -r __ns:=/ev they are in the root."""
+    with graph(shchur(0.5), tmp_path, names=others_than("asr")) as nodes:
+        lost = node_of(nodes.context, "asr", nodes.parameters["asr"], namespace="/")
+        nodes.run_rounds()
+        reasons = nodes.nodes["plant"].why_it_waits((WheelTorqueCommand,))
+        lost.destroy_node()
+    assert reasons == ["not in the graph: asr (but /asr, expected in /ev)"]
+
+
 def test_real_time_reports_a_stamp_of_no_step_once(tmp_path: Path):
     """It had been counted, and nothing more, while the torque faded."""
     run = shchur(0.5, **{"*__mode": "realtime"})
@@ -137,7 +147,7 @@ def test_real_time_reports_a_stamp_of_no_step_once(tmp_path: Path):
         nodes.run(is_reported)
         nodes.run_rounds()
         reasons = nodes.nodes["plant"].why_it_waits((WheelTorqueCommand,))
-    line = "torque_command at 1790000000.1234567 s ignored (reported once): 0.0 s is due"
+    line = "torque_command at 1790000000.1234567 s ignored (reported once): 0.0 s is due, in steps of 0.01 s"
     assert nodes.probe.reports == [f"/ev/plant: {line}"]
     assert reasons[-1] == line
 

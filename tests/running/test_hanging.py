@@ -50,7 +50,7 @@ def test_the_end_of_the_chain_is_named(who, waits):
 def test_what_the_nodes_that_wait_know_of_the_reason_is_said():
     """The master looks into the graph, and each node knows which of its messages it has ignored."""
     waits = {"plant": ("asr",), "asr": ("electronic_differential",)}
-    late = "torque_request at 1790000000.1 s ignored (reported once): 0.0 s is due"
+    late = "torque_request at 1790000000.1 s ignored (reported once): 0.0 s is due, in steps of 0.01 s"
     line = "node electronic_differential does not answer, at 1 s of simulated time"
     assert named(waits, why={"asr": [late]}) == f"{line}: {late}"
     unfit = "/ev/electronic_differential publishes /ev/torque_request as best effort, expected reliable"

@@ -6,12 +6,19 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from importlib.metadata import version
 from types import SimpleNamespace
 
 import pytest
+import rclpy
 import yaml
+from geometry_msgs.msg import Point
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from ros_graph import NAMESPACE, NODES
 from run_script import ENVIRONMENT, ROOT, Running
 
@@ -169,6 +176,92 @@ def test_an_absolute_name_needs_no_graph_to_be_chosen(shell, monkeypatch):
     assert "several are there" in shell.refused("topic", "echo", "wheel_states")
 
 
+@pytest.fixture
+def own_node(domain) -> Iterator[Node]:
+    """A node of somebody else in the graph."""
+    context = Context()
+    rclpy.init(context=context, domain_id=domain)
+    yield Node("own", context=context, namespace=NAMESPACE)
+    context.try_shutdown()
+
+
+def test_a_topic_that_somebody_uses_with_another_type_is_read_with_ours(shell, own_node):
+    """The other type comes first in the alphabet; of a topic that is not ours nobody knows which is meant."""
+    own_node.create_publisher(Point, "wheel_states", 1)
+    others = [own_node.create_publisher(Point, "own", 1), own_node.create_publisher(Point, "other/wheel_states", 1)]
+    message = yaml.safe_load(shell("topic", "echo", "wheel_states", "--once"))
+    assert message["name"][0] == "front_left"
+    types = "sensor_msgs/msg/JointState, geometry_msgs/msg/Point"
+    assert f"/ev/wheel_states [{types}]\n" in shell("topic", "list", "-t")
+    ends = shell("topic", "info", "-v", "wheel_states")
+    assert f"Type: {types}\n" in ends
+    assert "  /ev/own: reliable, volatile, geometry_msgs/msg/Point\n" in ends
+    assert shell("topic", "info", others[0].topic_name).startswith("Type: geometry_msgs/msg/Point\n")
+
+
+def test_several_types_none_of_which_is_ours_are_named():
+    """The middleware keeps them apart, and a command can read one of them only."""
+    types = ["std_msgs/msg/String", "geometry_msgs/msg/Point"]
+    node = SimpleNamespace(get_topic_names_and_types=lambda: [("/ev/own", types)])
+    with pytest.raises(LookupError, match="/ev/own has several types, expected one: std_msgs/msg/String, geometry"):
+        present_graph.type_of(node, "/ev/own")
+
+
+@pytest.mark.parametrize(
+    "quality",
+    [
+        QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT),
+        QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL),
+    ],
+    ids=["best effort", "transient local"],
+)
+def test_a_message_is_shown_whatever_its_quality_of_service(shell, own_node, quality):
+    """One of transient local durability was published once, before anybody subscribed."""
+    publisher = own_node.create_publisher(Point, "own", quality)
+    publisher.publish(Point(x=3.0))
+    if quality.durability is not DurabilityPolicy.TRANSIENT_LOCAL:
+        own_node.create_timer(0.02, lambda: publisher.publish(Point(x=3.0)))
+    executor = SingleThreadedExecutor(context=own_node.context)
+    executor.add_node(own_node)
+    publishing = threading.Thread(target=executor.spin)
+    publishing.start()
+    try:
+        assert yaml.safe_load(shell("topic", "echo", "own", "--once")) == {"x": 3.0, "y": 0.0, "z": 0.0}
+    finally:
+        executor.shutdown()
+        publishing.join()
+
+
+def test_nodes_are_listed_and_described_as_ros2_does(shell):
+    assert "/ev/driver\n/ev/electronic_differential\n/ev/plant\n" in shell("node", "list")
+    about = shell("node", "info", "asr")
+    subscribers, publishers, services = (
+        re.search(rf"^  {what}:\n((?:    .*\n)*)", about, re.MULTILINE)[1]
+        for what in ("Subscribers", "Publishers", "Service Servers")
+    )
+    assert about.startswith("/ev/asr\n")
+    assert "/ev/torque_request: sensor_msgs/msg/JointState" in subscribers
+    assert "/ev/torque_command: sensor_msgs/msg/JointState" in publishers
+    assert "/ev/asr/get_parameters: rcl_interfaces/srv/GetParameters" in services
+    assert "no node '/ev/nobody'; there are /ev/asr, " in shell.refused("node", "info", "nobody")
+
+
+def test_a_parameter_is_described_with_what_is_expected(shell):
+    about = yaml.safe_load(shell("param", "describe", "plant", "real_time_factor"))
+    assert about["value"] == yaml.safe_load(shell("param", "get", "plant", "real_time_factor"))
+    assert about["expected"].startswith("0 to 1000") and not about["read_only"]
+    assert "simulated over wall time" in about["about"]
+    assert yaml.safe_load(shell("param", "describe", "plant", "duration"))["read_only"]
+    assert "plant has no parameter 'nothing'" in shell.refused("param", "describe", "plant", "nothing")
+
+
+def test_a_parameter_of_ros_itself_is_there_for_those_that_ask_for_it(shell):
+    assert shell("param", "get", "plant", "use_sim_time") == "false\n"
+    assert shell("param", "set", "asr", "use_sim_time", "true") == "asr.use_sim_time: False -> True\n"
+    shell("param", "set", "asr", "use_sim_time", "false")
+    assert "use_sim_time" not in shell("param", "list", "plant")
+
+
 class AtHundredHertz:
     """A graph in which each topic has 100 messages a second, and a subscription takes 50 ms to be made."""
 
@@ -192,6 +285,9 @@ class AtHundredHertz:
             return taken if is_there else None
 
         return SimpleNamespace(handle=SimpleNamespace(take_message=take), msg_type=kind)
+
+    def get_publishers_info_by_topic(self, _) -> list:
+        return []
 
 
 def test_rates_are_of_one_time_for_all_topics(monkeypatch):

@@ -97,7 +97,7 @@ class Reception:
         if last is None:  # any step may be the first
             due = f"a multiple of {stamps.to_seconds(period)} s is expected"
         else:
-            due = f"{stamps.to_seconds(last + period)} s is due"
+            due = f"{stamps.to_seconds(last + period)} s is due, in steps of {stamps.to_seconds(period)} s"
         text = f"{topic.name} at {stamps.to_seconds(stamp)} s ignored (reported once): {due}"
         self.ignored.setdefault(topic.signal, text)
         self._reports.warn(text)

@@ -30,16 +30,21 @@ _TYPES = {
 }
 _NO_LIMIT = {float: 1e300, int: 2**62}
 _SECTION = "ros__parameters"  # of a node in a parameter file
+_QUALITY = "qos_overrides."
 _METHOD, _LOG, _ADDRESS = "method", "bus.log", "bus.address"
 
 
 def overrides(node: Node) -> dict[str, Any]:
     """The values of command line and parameter files for a node that declares its overrides by itself.
 
-    ParameterError if a file of the command line means a node of this name, but none in this namespace.
+    ParameterError if a file of the command line means a node of this name, but none in this namespace, or if they are
+    about the quality of service, which ROS would ignore here.
     """
     _refuse_file_of_another_namespace(node)
     given: Mapping[str, Any] = node.get_parameters_by_prefix("")
+    for name in given:
+        if name.startswith(_QUALITY):
+            raise ParameterError(f"parameter {name} is refused: the quality of service of the topics is fixed", name)
     return {name: value.value for name, value in given.items() if not is_ros_own(name)}
 
 

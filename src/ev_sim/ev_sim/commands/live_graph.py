@@ -11,7 +11,6 @@ from contextlib import suppress
 import rclpy
 from rclpy.exceptions import InvalidNamespaceException
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 from rclpy.validate_namespace import validate_namespace
@@ -21,8 +20,8 @@ from ev_core.run_role import NO_LOG_FILE, leave_graph
 from ev_msgs_py.refusal import LINE, shown
 from ev_msgs_py.wire import message_class
 from ev_sim.command_line.refusal import Parser, refuse
-from ev_sim.commands.present_graph import full_names, in_the_graph
-from ev_sim.commands.shell import Shell, messages, parser_of, shell_in, topics_of, type_of, verb_of
+from ev_sim.commands.present_graph import full_names, in_the_graph, quality_of, topics_of, type_of
+from ev_sim.commands.shell import Shell, messages, parser_of, shell_in, verb_of
 from ev_sim.recording.outcome import RunFailed
 
 _OWN_NAME = "inspect_graph"
@@ -54,11 +53,11 @@ def _positive(text: str) -> float:
 
 def _rates(node: Node, topics: dict[str, str], seconds: float) -> dict[str, float]:
     """Messages per second [Hz] by topic, in one time for all; without topics whose message type is not installed."""
-    quality = QoSProfile(depth=1000)
     subscriptions = {}
     for name, kind in topics.items():
         with suppress(ImportError):
             type_ = message_class(kind)
+            quality = quality_of(node, name, depth=1000)
             subscriptions[name] = node.create_subscription(type_, name, lambda message: None, quality, raw=True)
     time.sleep(_JOINS)
     for subscription in subscriptions.values():
@@ -84,11 +83,11 @@ def _graph(node: Node, seconds: float) -> list[str]:
     topics = topics_of(node)
     writers = {name: _names(node.get_publishers_info_by_topic(name)) for name in topics}
     readers = {name: _names(node.get_subscriptions_info_by_topic(name)) for name in topics}
-    rates = _rates(node, topics, seconds)
+    rates = _rates(node, {name: kinds[0] for name, kinds in topics.items()}, seconds)
     lines = ["nodes", *(f"  {name}" for name in full_names(node)), "", "topics"]
-    for name, kind in topics.items():
+    for name, kinds in topics.items():
         rate = f"{rates[name]:.1f} Hz" if name in rates else "message type is not installed"
-        lines.append(f"  {name}  {kind}  {rate}")
+        lines.append(f"  {name}  {', '.join(kinds)}  {rate}")
         lines.append(f"    {', '.join(writers[name]) or 'nobody'} -> {', '.join(readers[name]) or 'nobody'}")
     return lines
 
@@ -115,8 +114,8 @@ def topic(argv: list[str]) -> None:
 
 
 def _list(shell: Shell, given: argparse.Namespace) -> Iterator[str]:
-    for name, kind in topics_of(shell.node).items():
-        yield f"{name} [{kind}]" if given.show_types else name
+    for name, kinds in topics_of(shell.node).items():
+        yield f"{name} [{', '.join(kinds)}]" if given.show_types else name
 
 
 def _echo(shell: Shell, given: argparse.Namespace) -> Iterator[str]:
@@ -134,9 +133,10 @@ def _hz(shell: Shell, given: argparse.Namespace) -> Iterator[str]:
 
 
 def _info(shell: Shell, given: argparse.Namespace) -> Iterator[str]:
-    name = shell.full_name(given.topic)
-    yield f"Type: {type_of(shell.node, name)}"
-    node = shell.node
+    node, name = shell.node, shell.full_name(given.topic)
+    if name not in (there := topics_of(node)):
+        type_of(node, name)  # names what there is
+    yield f"Type: {', '.join(there[name])}"
     for side, ends in (
         ("Publisher", node.get_publishers_info_by_topic(name)),
         ("Subscription", node.get_subscriptions_info_by_topic(name)),
@@ -145,7 +145,33 @@ def _info(shell: Shell, given: argparse.Namespace) -> Iterator[str]:
         for end in ends if given.verbose else ():
             quality = end.qos_profile
             words = f"{quality.reliability.name}, {quality.durability.name}".lower()
-            yield f"  {end.node_namespace.rstrip('/')}/{end.node_name}: {words}"
+            kind = f", {end.topic_type}" if len(there[name]) > 1 else ""
+            yield f"  {end.node_namespace.rstrip('/')}/{end.node_name}: {words}{kind}"
+
+
+def node(argv: list[str]) -> None:
+    """ev-stack node list | info NODE"""
+    parser = parser_of("node", "Show the nodes of the graph, their topics and their services.")
+    verbs = parser.add_subparsers(dest="what", required=True, metavar="list|info", parser_class=Parser)
+    verb_of(verbs, "list")
+    verb_of(verbs, "info").add_argument("node", help="such as plant, or a full name")
+    given = parser.parse_args(argv)
+    with suppress(KeyboardInterrupt), shell_in(given.namespace) as shell:
+        print("\n".join(full_names(shell.node) if given.what == "list" else _about_node(shell, given.node)))
+
+
+def _about_node(shell: Shell, node: str) -> Iterator[str]:
+    full_name = shell.present(node)
+    space, _, name = full_name.rpartition("/")
+    yield full_name
+    for what, of_node in (
+        ("Subscribers", shell.node.get_subscriber_names_and_types_by_node),
+        ("Publishers", shell.node.get_publisher_names_and_types_by_node),
+        ("Service Servers", shell.node.get_service_names_and_types_by_node),
+    ):
+        yield f"  {what}:"
+        for end, kinds in sorted(of_node(name, space or "/")):
+            yield f"    {end}: {', '.join(kinds)}"
 
 
 _ABOUT_POLICIES = "Write the policy file of the graph for DDS security, or hold the running graph against it."

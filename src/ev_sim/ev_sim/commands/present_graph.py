@@ -1,4 +1,4 @@
-"""Finds the running graph: its ROS domain, its nodes, and the namespace of its master of time."""
+"""Finds the running graph: its ROS domain, its nodes and topics, and the namespace of its master of time."""
 
 from __future__ import annotations
 
@@ -9,11 +9,14 @@ from contextlib import contextmanager
 
 import rclpy
 from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
 from ev_core.nodes.signal_io import NAMELESS
 from ev_core.run_role import NO_LOG_FILE, leave_graph
 from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.refusal import quoted
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.domain import free_domain, reserved_domains
 
@@ -71,6 +74,44 @@ def _found(node: Node) -> bool:
         if now - begun > _PATIENCE + (_PATIENCE if found else 0.0):
             return bool(found)
         time.sleep(_GLANCE)
+
+
+_ROS_OWN = ("/parameter_events", "/rosout")
+
+
+def topics_of(node: Node) -> dict[str, list[str]]:
+    """The topics of the graph with their types; that of the topic table comes first."""
+    found = {}
+    for name, types in sorted(node.get_topic_names_and_types()):
+        if name not in _ROS_OWN:
+            found[name] = sorted(types, key=lambda kind: kind != _type_by_contract(name))
+    return found
+
+
+def _type_by_contract(name: str) -> str | None:
+    return next((topic.message_type for topic in TOPICS.values() if name.endswith(f"/{topic.name}")), None)
+
+
+def type_of(node: Node, name: str) -> str:
+    """The type of a topic; LookupError if there is no such topic, or if it has several that are none of ours."""
+    there = topics_of(node)
+    if name not in there:
+        raise LookupError(f"no topic {quoted(name)}; known: {', '.join(there) or 'none'}")
+    first, *others = there[name]
+    if others and first != _type_by_contract(name):
+        raise LookupError(f"{name} has several types, expected one: {', '.join(there[name])}")
+    return first
+
+
+def quality_of(node: Node, name: str, depth: int) -> QoSProfile:
+    """The quality of service with which a subscription receives what all publishers of a topic send."""
+    ends = [end.qos_profile for end in node.get_publishers_info_by_topic(name)]
+    quality = QoSProfile(depth=depth)
+    if any(end.reliability is ReliabilityPolicy.BEST_EFFORT for end in ends):
+        quality.reliability = ReliabilityPolicy.BEST_EFFORT
+    if ends and all(end.durability is DurabilityPolicy.TRANSIENT_LOCAL for end in ends):
+        quality.durability = DurabilityPolicy.TRANSIENT_LOCAL
+    return quality
 
 
 def master_namespace(node: Node, wanted: str | None) -> str:

@@ -26,7 +26,7 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import LINE, quoted
 from ev_msgs_py.wire import message_class
 from ev_sim.command_line.refusal import Parser, refuse
-from ev_sim.commands.present_graph import full_names, in_the_graph, master_namespace
+from ev_sim.commands.present_graph import full_names, in_the_graph, master_namespace, quality_of, type_of
 from ev_sim.dashboard.controls import wished
 from ev_sim.recording.outcome import RunFailed
 
@@ -79,16 +79,21 @@ class Shell:
         services = dict(self.node.get_service_names_and_types_by_node(name, namespace or "/"))
         return f"{node}/get_parameters" in services
 
-    def parameters_of(self, name: str) -> tuple[AsyncParameterClient, dict[str, Parameter]]:
-        """How to ask a node, and its parameters by name."""
+    def present(self, name: str) -> str:
+        """The full name of a node; LookupError if it is not in the graph."""
         name = self.full_name(name)
         if name not in (there := full_names(self.node)):
             raise LookupError(f"no node {quoted(name)}; there are {', '.join(there)}")
+        return name
+
+    def parameters_of(self, name: str, also: str | None = None) -> tuple[AsyncParameterClient, dict[str, Parameter]]:
+        """How to ask a node, and its parameters by name; of ROS's own only that one."""
+        name = self.present(name)
         client = AsyncParameterClient(self.node, name)
         if not client.wait_for_services(_PATIENCE):
             raise LookupError(f"{name} has no parameters that can be asked for")
         listed = self.answer(name, client.list_parameters()).result.names
-        names = sorted(each for each in listed if not ros_parameters.is_ros_own(each))
+        names = sorted(each for each in listed if each == also or not ros_parameters.is_ros_own(each))
         values = self.answer(name, client.get_parameters(names)).values if names else []
         return client, {
             each: Parameter(each, Parameter.Type(value.type), _plain(parameter_value_to_python(value)))
@@ -161,24 +166,25 @@ pause, resume, step, reset = (partial(_control_time, service) for service in _AB
 
 
 def param(argv: Sequence[str]) -> None:
-    """ev-stack param list [NODE] | get NODE [NAME] | set NODE NAME VALUE | dump [NODE]"""
+    """ev-stack param list [NODE] | get NODE [NAME] | describe NODE NAME | set NODE NAME VALUE | dump [NODE]"""
     parser = parser_of("param", "Show and set parameters of nodes, as YAML.")
-    what = parser.add_subparsers(dest="what", required=True, metavar="list|get|set|dump", parser_class=Parser)
-    listed, get, put, dump = (verb_of(what, name) for name in ("list", "get", "set", "dump"))
-    for each in (get, put):
+    what = parser.add_subparsers(dest="what", required=True, metavar="|".join(_VERBS), parser_class=Parser)
+    listed, get, describe, put, dump = (verb_of(what, name) for name in _VERBS)
+    for each in (get, describe, put):
         each.add_argument("node", help="such as plant, or a full name")
     get.add_argument("name", nargs="?", help="of the parameter; default: all")
+    describe.add_argument("name")
     put.add_argument("name")
     put.add_argument("value", help="as in YAML")
     for each in (listed, dump):
         each.add_argument("node", nargs="*", help="default: all nodes of the graph that have parameters")
     given = parser.parse_args(argv)
     with shell_in(given.namespace) as shell:
-        print({"list": _list, "get": _get, "set": _set, "dump": _dump}[given.what](shell, given), end="")
+        print(_VERBS[given.what](shell, given), end="")
 
 
 def _get(shell: Shell, given: Any) -> str:
-    _, there = shell.parameters_of(given.node)
+    _, there = shell.parameters_of(given.node, given.name)
     if given.name is None:
         return as_yaml({name: each.value for name, each in there.items()})
     return as_yaml(_known(given, there).value).removesuffix("...\n")
@@ -192,8 +198,16 @@ def _known(given: Any, there: dict[str, Parameter]) -> Parameter:
     return there[given.name]
 
 
+def _describe(shell: Shell, given: Any) -> str:
+    client, there = shell.parameters_of(given.node, given.name)
+    value = _known(given, there).value
+    (found,) = shell.answer(given.node, client.describe_parameters([given.name])).descriptors
+    words = {"about": found.description, "expected": found.additional_constraints.removeprefix("allowed: ")}
+    return as_yaml({"value": value, **words, "read_only": found.read_only})
+
+
 def _set(shell: Shell, given: Any) -> str:
-    client, there = shell.parameters_of(given.node)
+    client, there = shell.parameters_of(given.node, given.name)
     before = _known(given, there)
     try:
         parameter = wished(given.name, before.type_, given.value)
@@ -220,22 +234,7 @@ def _dump(shell: Shell, given: Any) -> str:
     return as_yaml({node: {"ros__parameters": each} for node, each in values.items()})
 
 
-_ROS_OWN = ("/parameter_events", "/rosout")
-
-
-def topics_of(node: Node) -> dict[str, str]:
-    """The topics of the graph with their types."""
-    return {name: types[0] for name, types in sorted(node.get_topic_names_and_types()) if name not in _ROS_OWN}
-
-
-def type_of(node: Node, name: str) -> str:
-    """The type of a topic; LookupError if there is no such topic."""
-    there = topics_of(node)
-    if name not in there:
-        raise LookupError(f"no topic {quoted(name)}; known: {', '.join(there) or 'none'}")
-    return there[name]
-
-
+_VERBS = {"list": _list, "get": _get, "describe": _describe, "set": _set, "dump": _dump}
 _SILENCE = 2.0  # s of wall time without a message that are reported
 
 
@@ -249,7 +248,8 @@ def messages(node: Node, name: str) -> Iterator[str]:
         kind = message_class(type_)
     except ImportError:
         raise LookupError(f"{name} cannot be read: {type_.partition('/')[0]} is not installed") from None
-    take = node.create_subscription(kind, name, lambda message: None, 10, raw=True).handle.take_message
+    quality = quality_of(node, name, depth=10)
+    take = node.create_subscription(kind, name, lambda message: None, quality, raw=True).handle.take_message
     take_clock = node.create_subscription(Clock, "/clock", lambda message: None, 10, raw=True).handle.take_message
     report_at, times = time.monotonic() + _SILENCE, set[bytes]()
     while True:

@@ -89,10 +89,13 @@ class Silence:
     def reasons(self, missing: tuple[type, ...]) -> list[str]:
         """Why these signals do not come, as far as the graph knows: a node waits for others, too."""
         space = self._node.get_namespace()
-        there = {name for name, where in self._node.get_node_names_and_namespaces() if where == space}
+        nodes = self._node.get_node_names_and_namespaces()
+        there = {name for name, where in nodes if where == space}
         wanted = {*REQUIRED, *(WRITERS.get(kind, RECORDER) for kind in missing)}
         if gone := [role for role in ROLES if role in wanted and role not in there]:
-            return [f"not in the graph: {', '.join(gone)}"]
+            elsewhere = sorted(f"{where.rstrip('/')}/{name}" for name, where in nodes if name in gone)
+            hint = f" (but {', '.join(elsewhere)}, expected in {space})" if elsewhere else ""
+            return [f"not in the graph: {', '.join(gone)}{hint}"]
         roles = {f"{space.rstrip('/')}/{role}" for role in ROLES}
         unfit = [each for topic in TOPICS.values() for each in misfits(self._node, topic)]
         return [*self._unpublished(wanted), *(each.line for each in unfit if each.node in roles)]
