@@ -43,7 +43,10 @@ class Mixer:
         spoken = []
         for kind in kinds:
             shape = shape_of(kind)
-            spoken.append(shape.signal_of(tuple(math.sin(self.state + i) for i in range(len(shape.channels)))))
+            values = [math.sin(self.state + i) for i in range(len(shape.channels))]
+            for i in shape.never_negative:
+                values[i] += 1.0
+            spoken.append(shape.signal_of(tuple(values)))
         return tuple(spoken)
 
 

@@ -230,7 +230,7 @@ FINDINGS: tuple[tuple[Any, str], ...] = (
     (Dividing, "ZeroDivisionError"),
     (AnsweringNan, "WheelTorqueCommand.drive.front_left is nan"),
     (Working, "WheelTorqueCommand.drive.front_left is nan"),
-    (Pulling, "WheelTorqueCommand.brake.front_left is -1.0, allowed is never below zero"),
+    (Pulling, "WheelTorqueCommand.brake.front_left is -1.0, expected 0 or more"),
     (Poisoned, "absurd inputs leave NaN in the state"),
     (Overflowing, "OverflowError"),
     (Leaning, "left and right are not alike"),

@@ -18,6 +18,7 @@ from ev_core.check.method import ContractError, check_method
 from ev_core.compiled.part import CompiledPart
 from ev_core.law import (
     NO_WHEELS,
+    DriverCommand,
     Wheels,
     WheelTorqueCommand,
     WheelTorqueRequest,
@@ -28,12 +29,16 @@ from ev_core.law import (
     per_wheel,
     series,
 )
+from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.parts import part_of
 from ev_core.methods.law import Law
 from ev_core.methods.law_error import LawError
 from ev_core.methods.part import PythonPart
 from ev_core.methods.register import Method, create
 from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.contract.frame import PLACES as PLACES_OF
 from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.contract.roles import ROLES
 
 # By place what a law reads or writes there; `number` is any number of the state.
 PLACES = (
@@ -222,3 +227,37 @@ def test_in_a_batch_the_run_stops_alone(late: str):
         "shchur2019", method={"asr": late}, vary={"asr.delay": [0.03, 0.2, 0.04]}, duration=0.1, signals=["time"][:0]
     )
     assert done.failed == {1: f"at 0 s: {said_of(late)}"}
+
+
+READS_ALL = """
+from dataclasses import dataclass
+
+from ev_core.law import *
+from ev_msgs_py.contract.signals import *
+
+
+@dataclass(frozen=True, slots=True)
+class P:
+    gain: float = parameter(1.0, unit="1", about="of the brakes")
+
+
+@method("electronic_differential", "reads_all", P)
+@compilable
+def reads_all(p, {arguments}) -> WheelTorqueRequest:
+    return WheelTorqueRequest(NO_WHEELS, Wheels(p.gain * driver.brake_torque, 0.0, 0.0, 0.0))
+"""
+
+
+def test_a_law_may_read_all_that_its_role_may(tmp_path):
+    """The compiler follows what may raise by recursion, however many numbers there are."""
+    reads = [signal for signal in ROLES["electronic_differential"].reads if signal.__module__.endswith(".signals")]
+    names = ["driver", *(f"signal_{n}" for n in range(1, len(reads)))]
+    arguments = ", ".join(f"{name}: {signal.__name__}" for name, signal in zip(names, reads, strict=True))
+    file = tmp_path / "reads_all.py"
+    file.write_text(READS_ALL.format(arguments=arguments))
+    configuration = configure("electronic_differential", {"method": str(file)})
+    part, here = part_of(configuration, compiled=True), Frame()
+    assert isinstance(part, CompiledPart)
+    here.numbers[PLACES_OF[DriverCommand].start + 1] = 3.0
+    part.step(here, here)
+    assert here.numbers[PLACES_OF[WheelTorqueRequest].start + 4] == 3.0

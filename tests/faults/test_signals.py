@@ -16,6 +16,7 @@ from ev_core.faults.row import FaultRow, of_signals
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.contract.signals import WheelTorqueCommand
 
 PLACE = frame.channels()
 PERIOD = 0.01
@@ -42,6 +43,40 @@ def struck(*texts: str, steps: int = 12, seed: int = 0, compiled: bool = False) 
 def change(text: str, channel: str = YAW, **of: int) -> list[float]:
     """What a fault makes of a number, above what it is without faults, rounded."""
     return (struck(text, **of) - struck(**of))[:, PLACE[channel]].round(9).tolist()
+
+
+BRAKE = frame.PLACES[WheelTorqueCommand].start + shape_of(WheelTorqueCommand).unsigned_commands[0]
+BRAKES = "torque_command.brake.front_left"
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+@settings(max_examples=40)
+@given(
+    kind=st.sampled_from(("constant", "scaled", "offset", "noisy", "swapped")),
+    value=st.floats(-100.0, 100.0),
+    brake=st.floats(0.0, 50.0),
+)
+def test_no_fault_makes_a_brake_torque_negative(compiled, kind, value, brake):
+    """A brake gives none or more, whatever it is sent; a drive torque has either sign."""
+    numbers = np.zeros(frame.SIZE)
+    numbers[BRAKE], numbers[BRAKE - 4] = brake, value
+    other = "torque_command.drive.front_left"
+    text = (
+        f"swapped {BRAKES},{other}"
+        if kind == "swapped"
+        else f"{kind} {BRAKES} {abs(value) if kind == 'noisy' else value}"
+    )
+    row = FaultRow(of_signals((text,)), (WheelTorqueCommand,), 0, PERIOD)
+    if compiled:
+        function, state, constants = RowPart(row).addresses()
+        assert call(function, 0, numbers.ctypes.data, state, constants) == 0
+    else:
+        row.step(numbers)
+    expected = {"constant": value, "scaled": brake * value, "offset": brake + value, "swapped": value}
+    assert numbers[BRAKE] >= 0.0
+    if kind in expected:
+        assert numbers[BRAKE] == max(expected[kind], 0.0)
+        assert numbers[BRAKE - 4] == (brake if kind == "swapped" else value)
 
 
 OFF = [0.0]

@@ -12,7 +12,7 @@ import ev_sim
 from ev_msgs_py.refusal import ParameterError
 
 DURATION = 0.5
-TORQUE = "driver.command.drive_torque"
+TORQUE, BRAKE = "driver.command.drive_torque", "driver.command.brake_torque"
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +41,12 @@ def test_numbers_of_any_kind_are_played(recorded, tmp_path, kind):
     assert (played(tmp_path, arrays).signals[TORQUE] == arrays[TORQUE].astype(float)).all()
 
 
+def test_a_brake_torque_that_is_negative_by_rounding_is_none(recorded, tmp_path):
+    arrays = arrays_of(recorded)
+    arrays[BRAKE] = arrays[BRAKE] - 1e-17
+    assert played(tmp_path, arrays).hash == recorded.hash
+
+
 def shuffled(times: np.ndarray) -> np.ndarray:
     return np.concatenate([times[:10], times[10:20][::-1], times[20:]])
 
@@ -57,6 +63,7 @@ WRONG = {
     "time is no number": ("time", with_last(np.nan), "time 50 is nan, expected a finite number"),
     "time without end": ("time", with_last(np.inf), "time 50 is inf, expected a finite number"),
     "out of order": ("time", shuffled, r"time 10 is 0\.19 s, expected 0\.1 s: the instants follow each other by"),
+    "negative brake": (BRAKE, with_last(-2.0), rf"{BRAKE} 50 is -2\.0, expected 0 or more"),
     "late end": ("time", with_last(0.6), r"51 instants up to 0\.6 s are none of a control_period of 0\.01 s"),
 }
 

@@ -16,6 +16,9 @@
 #ifndef ANSWER
 #define ANSWER in->torque_request.drive.front_left
 #endif
+#ifndef BRAKE
+#define BRAKE 0.0
+#endif
 
 #ifndef NAME
 #define NAME "limit"
@@ -39,6 +42,7 @@ static int32_t step(const ev_asr_inputs *in, ev_asr_outputs *out, double *state,
     (void)given;
     state[0] += 1.0;
     out->torque_command.drive.front_left = ANSWER;
+    out->torque_command.brake.rear_left = BRAKE;
     return in->time > 0.025 ? STATUS : 0;
 }
 

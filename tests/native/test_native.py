@@ -126,12 +126,19 @@ def test_a_library_that_does_not_fit_is_refused_when_it_is_loaded(refused, defin
     ("define", "said"),
     [
         ("ANSWER=NAN", r"at 0 s: asr: WheelTorqueCommand\.drive\.front_left is nan, only finite numbers are allowed$"),
+        ("BRAKE=-2.0", r"at 0 s: asr: WheelTorqueCommand\.brake\.rear_left is -2\.0, expected 0 or more$"),
         ("STATUS=3", r"at 0\.03 s: asr: \S+: step returned 3, allowed is 0$"),
     ],
 )
 def test_what_a_library_must_not_answer_ends_the_run_in_one_line(refused, define, said):
     with pytest.raises(SignalError, match=f"^{said}"):
         ev_sim.run("double_lane_change", method={"asr": refused(define)}, duration=0.1)
+
+
+def test_a_brake_torque_of_a_library_that_is_negative_by_rounding_is_none(refused):
+    law = {"asr": refused("BRAKE=-1e-17")}
+    brake = ev_sim.run("double_lane_change", method=law, duration=0.1).signals["torque_command.brake.rear_left"]
+    assert {value.hex() for value in brake.tolist()} == {"0x0.0p+0"}
 
 
 def answer_of(library: str) -> float:

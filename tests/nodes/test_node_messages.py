@@ -151,6 +151,21 @@ def test_a_spoilt_message_is_reported_and_changes_nothing(law, spoil, named):
     assert_goes_on_as_if_nothing_had_been(law)
 
 
+@pytest.mark.parametrize(
+    ("brake", "named"), [(-2.0, "DriverCommand.brake_torque is -2.0, expected 0 or more"), (-1e-17, "")]
+)
+def test_a_negative_brake_torque_of_a_stranger_is_reported_and_changes_nothing(law, brake, named):
+    """Packed as our nodes do it, so that the loop would take it; what rounding leaves is 0."""
+    law.say_packed(PERIOD, STANDING, DRIVER._replace(brake_torque=brake))
+    if named:
+        law.run(lambda: law.probe.reports)
+        (report,) = law.probe.reports
+        assert report.endswith(f"driver/command at 0.01 s ignored: {named}")
+        law.say_packed(PERIOD, DRIVER)
+    assert_goes_on_as_if_nothing_had_been(law)
+    assert not law.probe.reports[1:]
+
+
 @pytest.mark.parametrize("seconds", [0.015, 0.03, 500.0])
 def test_a_stamp_of_no_step_that_can_come_is_reported_once_and_changes_nothing(law, seconds):
     law.say(PERIOD, DRIVER)

@@ -56,10 +56,10 @@ def test_instants_are_shown_whole_and_every_other_one_of_10_ms(tmp_path):
     for step in range(60):
         take(recorder, 0, step, step)
         if step:  # the driver is an instant behind
-            take(recorder, 1, step - 1, -(step - 1))
+            take(recorder, 1, step - 1, 2 * (step - 1))
         recorder.took_all()
     recorder.close()
-    expected = [(0, "once"), *((step * PERIOD, f"{step * 10},{step},{-step}") for step in range(0, 59, 2))]
+    expected = [(0, "once"), *((step * PERIOD, f"{step * 10},{step},{2 * step}") for step in range(0, 59, 2))]
     assert sorted(shown_in(tmp_path / "bag")) == sorted(expected)
 
 

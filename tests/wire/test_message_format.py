@@ -21,6 +21,7 @@ from ev_core.node_loop.steps import (
     write_message,
 )
 from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.fields import NEGLIGIBLE
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.optional_signals import CellCondition
 from ev_msgs_py.contract.signals import BatteryCondition, DriverCommand, SteeringColumnState, WheelTorqueRequest
@@ -56,7 +57,8 @@ stamp_values = st.integers(0, (2**31 - 1) * stamps.NANOSECONDS)
 @cache
 def numbers_of(topic: Topic) -> st.SearchStrategy[tuple[float, ...]]:
     kind = single if topic.signal in SINGLE else finite
-    return st.tuples(*[kind] * len(topic.channels))
+    unsigned = topic.shape.unsigned_commands
+    return st.tuples(*(kind.map(abs) if i in unsigned else kind for i in range(len(topic.channels))))
 
 
 def ordinary(topic: Topic) -> list[float]:
@@ -300,6 +302,27 @@ def test_a_number_that_is_not_finite_is_refused_wherever_it_stands(topic, bad):
         assert refusal(topic, message).startswith(f"{channel} is {bad}")
         with pytest.raises(MessageError, match=f"{channel} is {bad}"):
             MessageTable(topic).read([message], np.zeros((1, frame.SIZE)))
+
+
+@WITH_NUMBERS
+@given(number=finite | st.floats(-2.0 * NEGLIGIBLE, 0.0))
+def test_a_negative_command_is_refused_where_it_has_no_sign(topic, number):
+    """What rounding leaves is 0; what sensors measure may be negative, by their noise."""
+    good = ordinary(topic)
+    for i in topic.shape.never_negative if topic.signal not in SINGLE else ():
+        is_command = i in topic.shape.unsigned_commands
+        message = packed(topic, [*good[:i], number, *good[i + 1 :]])
+        table = np.zeros((1, frame.SIZE))
+        if is_command and number < -NEGLIGIBLE:
+            said = refusal(topic, message)
+            assert said == f"{topic.signal.__name__}.{topic.shape.channels[i]} is {number}, expected 0 or more"
+            with pytest.raises(MessageError, match="expected 0 or more"):
+                MessageTable(topic).read([message], table)
+            continue
+        expected = bits([*good[:i], 0.0 if is_command and number < 0.0 else number, *good[i + 1 :]])
+        assert read(topic, message) == expected
+        MessageTable(topic).read([message], table)
+        assert bits(table[0, frame.PLACES[topic.signal]]) == expected
 
 
 @WITH_NUMBERS

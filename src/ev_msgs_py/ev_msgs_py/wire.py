@@ -20,7 +20,7 @@ from operator import itemgetter
 from typing import Any, NamedTuple
 
 from ev_msgs_py.contract import frame, stamps
-from ev_msgs_py.contract.fields import Shape
+from ev_msgs_py.contract.fields import Shape, SignalError
 from ev_msgs_py.contract.topics import JOINT_STATE, TOPICS, Topic
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import quoted
@@ -220,7 +220,7 @@ class MessageFormat:
         seconds, nanoseconds, *numbers = self._variable(pieces)
         if not math.isfinite(sum(numbers)):  # or just large: their sum overflows
             self._refuse_not_finite(numbers)
-        return seconds * stamps.NANOSECONDS + nanoseconds, numbers
+        return seconds * stamps.NANOSECONDS + nanoseconds, self._without_sign(numbers)
 
     def _read_other_layout(self, message: bytes) -> tuple[int, Sequence[float]]:
         from rclpy.serialization import deserialize_message  # a program that only writes needs no ROS
@@ -232,12 +232,21 @@ class MessageFormat:
             raise MessageError(f"{len(message)} bytes are no {self.topic.message_type}: {error}") from None
         numbers = numbers_in(self.topic, read)
         self._refuse_not_finite(numbers)
-        return stamp, numbers
+        return stamp, self._without_sign(numbers)
 
     def _refuse_not_finite(self, numbers: Sequence[float]) -> None:
         for channel, value in zip(self.topic.shape.channels, numbers, strict=True):
             if not math.isfinite(value):
                 raise MessageError(f"{channel} is {value}, allowed are finite numbers")
+
+    def _without_sign(self, numbers: Sequence[float]) -> Sequence[float]:
+        shape = self.topic.shape
+        if not shape.unsigned_commands:
+            return numbers
+        try:
+            return shape.without_sign(numbers, shape.unsigned_commands)
+        except SignalError as error:
+            raise MessageError(str(error)) from None
 
 
 def _pieces(size: int, offsets: list[int], code: str) -> list[tuple[int, str]]:

@@ -163,7 +163,7 @@ def _negative(subject: Subject, numbers: np.ndarray) -> str:
         shape = shape_of(kind)
         for channel, value in zip(shape.channels, numbers[frame.PLACES[kind]], strict=True):
             if value < 0.0 and shape.fields[channel.partition(".")[0]].never_negative:
-                return f"{kind.__name__}.{channel} is {value}, allowed is never below zero"
+                return f"{kind.__name__}.{channel} is {value}, expected 0 or more"
     return ""
 
 

@@ -8,7 +8,7 @@ hold, and stays so where the law raises an exception.
 
 A law that is not ours is compiled with all that it calls so that an index out of range raises an exception, which costs
 it time. Then the result is 1, and the state is that before the step: it works on a copy. The same holds where a number
-that it writes is not finite, for which plain Python may find the line.
+that it writes is not finite, or negative and must not be, for which plain Python may find the line.
 
 `constants` is what an object is given once, as one row of numbers: parameters, car, prepared constants.
 
@@ -30,6 +30,7 @@ import numpy as np
 
 from ev_core.methods.law import Given, Law, given_names
 from ev_core.methods.law_error import kind_of
+from ev_core.methods.part import without_sign
 from ev_core.methods.register import Method
 from ev_core.parameters.record import numbers, record_type, shape_of_record, working_memory
 from ev_msgs_py.compilable import compilable
@@ -147,11 +148,11 @@ class Unpacking:
 
 _TEXT = '''"""{title}: generated, do not edit."""
 
-from numba import carray, cfunc, types
+from numba import carray, cfunc, {njit}types
 
 P = types.voidptr
 
-
+{write}
 @cfunc(types.int32(P, P, P, P), error_model="numpy"{checks})
 def step(now, next, state, constants):
     k = carray(constants, 1, CONSTANTS)[0]
@@ -161,6 +162,12 @@ def step(now, next, state, constants):
     there = carray(next, {size}, FLOAT)
 {body}
 '''
+_WRITE = """
+@njit(error_model="numpy", boundscheck=True)
+def write(there, output):
+{writing}
+
+"""
 _OURS = ("ev_core", "ev_control", "ev_sim", "ev_papers")  # packages: the suite compiles them once with the checks
 _COPIED = 8192  # numbers of a state that the stack has room for
 
@@ -222,22 +229,32 @@ def _part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     call = f"law({', '.join(arguments)})"
     if ROLES[method.role].kind is RoleKind.INTEGRATES:
         names["outputs"] = law.outputs
-        shown = f"outputs({', '.join(given_names(law.outputs))})"
         here, *signals = reading
-        body = [here, "if here.ctypes.data:", *_indented([*signals, call]), *_writing(method.writes, shown)]
+        is_stepped = "if here.ctypes.data:"
+        reading = [here, is_stepped, *_indented(signals)]
+        calls = [*([is_stepped] if checked else []), f"    {call}"]
+        calls.append(f"output = outputs({', '.join(given_names(law.outputs))})")
     else:
-        body = [*reading, *_writing(method.writes, call)]
+        calls = [f"output = {call}"]
+    write, writing = "", _writing(method.writes, checked)
     names["NAN"] = math.nan
     if checked:
-        names["are_finite"] = are_finite
+        # In a `try` the compiler makes a block of each operation, and follows the blocks by recursion. So reading and
+        # writing, of up to hundreds of numbers, stand outside.
+        names["are_finite"], names["without_sign"] = are_finite, without_sign
+        write = _WRITE.format(writing="\n".join(_indented(writing)))
         begin, end = frame.span(method.writes)
         done = [*(["copy(kept, numbers)"] if is_copied else []), "status = 0"]
-        body += [f"if are_finite(there, {begin}, {end}):", *_indented(done)]
-        body = ["status = 1", "try:", *_indented(body), "except Exception:", "    pass"]
+        writing = ["write(there, output)", f"if are_finite(there, {begin}, {end}):", *_indented(done)]
+        calls = ["status = 1", "try:", *_indented([*calls, *writing]), "except Exception:", "    pass"]
+        writing = []
+    body = [*reading, *calls, *writing]
     body = [f"there[{frame.PLACES[signal].start}] = NAN" for signal in method.writes] + body
     body.append("return status" if checked else "return 0")
     text = _TEXT.format(
         title=f"{method.role} {method.name}",
+        write=write,
+        njit="njit, " if checked else "",
         checks=", boundscheck=True" if checked else "",
         given="\n".join(_indented(lines)),
         size=frame.SIZE,
@@ -262,14 +279,16 @@ def _reading(signal: type) -> str:
     return f"{signal.__name__}({', '.join(values)})"
 
 
-def _writing(writes: tuple[type, ...], call: str) -> list[str]:
-    """The statements that put what a call returns into the frame `there`, as its messages carry it."""
-    lines = [f"output = {call}"]
+def _writing(writes: tuple[type, ...], checked: bool) -> list[str]:
+    """The statements that put the `output` into the frame `there`, as its messages carry it."""
+    lines = []
     for n, signal in enumerate(writes):
         begin, shape = frame.PLACES[signal].start, shape_of(signal)
         source = "output" if len(writes) == 1 else f"output[{n}]"
         for i, (channel, single) in enumerate(zip(shape.channels, shape.single, strict=True)):
             value = f"{source}.{channel}"
+            if checked and i in shape.never_negative:
+                value = f"without_sign({value})"
             if single:
                 value = f"types.float32({value})"
             lines.append(f"there[{begin + i}] = {value}")

@@ -2,7 +2,7 @@
 
 A row of numbers has the settings of the faults behind one object, another one what lasts between periods:
 
-    constants  total  size of the state  entries  period [s]  then for each entry the numbers from KIND to OTHER_ROUNDS
+    constants  total  size of the state  entries  period [s]  then of each entry the numbers KIND to OTHER_UNSIGNED
     state      for each entry that remembers: whether it has begun, then the numbers
 
 `FaultRow` makes both rows, and steps them in plain Python.
@@ -29,11 +29,10 @@ CONSTANT, SCALED, OFFSET, NOISY, TILTED, SWAPPED, FROZEN, LOST, DELAYED, REORDER
 
 # The settings of an entry, one fault of one number. OTHER is the place of the number that it is swapped with, NUMBER
 # its own among those of the fault, MEMORY where the state has what it remembers, LENGTH numbers. A message carries
-# PLACE in single precision if it ROUNDS.
-FAULT_WIDTH = 13
-KIND, PLACE, OTHER, BEGIN, END, VALUE, SEED, FAULT_NAME, NUMBER, MEMORY, LENGTH, ROUNDS, OTHER_ROUNDS = range(
-    FAULT_WIDTH
-)
+# PLACE in single precision if it ROUNDS; a command that is UNSIGNED ends at 0, as no brake gives less.
+FAULT_WIDTH = 15
+KIND, PLACE, OTHER, BEGIN, END, VALUE, SEED, FAULT_NAME, NUMBER, MEMORY, LENGTH = range(11)
+ROUNDS, OTHER_ROUNDS, UNSIGNED, OTHER_UNSIGNED = range(11, FAULT_WIDTH)
 FAULTS_HEAD = 4
 
 # The last word of the counter is the purpose of a random number; sensors have 0 and 1.
@@ -63,7 +62,8 @@ def suffer(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> N
         return
     if kind == SWAPPED:
         other = int(c[OTHER])
-        frame[place], frame[other] = carried(frame[other], c[ROUNDS]), carried(true, c[OTHER_ROUNDS])
+        frame[place] = sent(frame[other], c[ROUNDS], c[UNSIGNED])
+        frame[other] = sent(true, c[OTHER_ROUNDS], c[OTHER_UNSIGNED])
         return
     shown = value
     if kind == SCALED:
@@ -76,7 +76,13 @@ def suffer(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> N
         shown = true + value * normal
     elif kind == TILTED:
         shown = true * cos(value) + GRAVITY * sin(value)
-    frame[place] = carried(shown, c[ROUNDS])
+    frame[place] = sent(shown, c[ROUNDS], c[UNSIGNED])
+
+
+@compilable
+def sent(number: float, rounds: float, unsigned: float) -> float:
+    """What a message carries of a number."""
+    return 0.0 if unsigned == 1.0 and number < 0.0 else carried(number, rounds)
 
 
 @compilable
@@ -160,24 +166,23 @@ class FaultRow(Row):
         length = max(round(fault.value / period), 1) if fault.kind == "delayed" else lengths.get(fault.kind, 0)
         for number, (one, other) in enumerate(pairs):
             memory, self._size = self._size, self._size + (1 + length if length else 0)
-            places = [float(place) for _, place, _ in (one, other)]
+            places = [float(one[1]), float(other[1])]
             numbers = [float(_CODES.index(fault.kind)), *places, begin, end, fault.value, float(seed), float(name)]
-            yield [*numbers, float(number), float(memory), float(length), float(one[2]), float(other[2])]
+            carried_as = [float(flag) for flags in zip(one[2:], other[2:], strict=True) for flag in flags]
+            yield [*numbers, float(number), float(memory), float(length), *carried_as]
 
     def step(self, numbers: Numbers) -> None:
         """Put what the faults leave of them into the place of the numbers in a frame; once per period."""
         strike(numbers, self.state, self.constants)
 
 
-def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, bool]]:
-    """Name, place in the frame, and whether in single precision, of the numbers that are struck; ParameterError."""
-    known = {
-        name: (name, place, single)
-        for signal in writes
-        for name, place, single in zip(
-            TOPICS[signal].channels, frame.places(signal), shape_of(signal).single, strict=True
-        )
-    }
+def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, bool, bool]]:
+    """Name, place in the frame, single precision, unsigned command, of the numbers that are struck; ParameterError."""
+    known = {}
+    for signal in writes:
+        shape = shape_of(signal)
+        for i, (name, place) in enumerate(zip(TOPICS[signal].channels, frame.places(signal), strict=True)):
+            known[name] = (name, place, shape.single[i], i in shape.unsigned_commands)
     topics = {TOPICS[signal].name.replace("/", ".") for signal in writes}
     if fault.kind == "restarted":  # a node that is killed has no output at all
         if fault.where not in topics:
@@ -193,7 +198,7 @@ def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, 
         found += here
     if fault.kind == "swapped" and (len(found) != _PAIR or found[0] == found[1]):
         raise ParameterError(f"faults: {quoted(fault.text)} names {len(found)} numbers, allowed are two, NUMBER,NUMBER")
-    if fault.kind == "tilted" and not all("acceleration" in name for name, _, _ in found):
+    if fault.kind == "tilted" and not all("acceleration" in name for name, *_ in found):
         raise ParameterError(f"faults: {quoted(fault.text)}: allowed are accelerations of imu")
     return found
 

@@ -16,12 +16,21 @@ from ev_core.compiling.machine_code import FUNCTION
 from ev_core.methods.hooks import Reporting
 from ev_core.methods.law_error import BY_AUTHORS, WrongResultError, in_law, notes_of, raise_in_one_line
 from ev_core.methods.register import Method
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import frame
-from ev_msgs_py.contract.fields import Shape, shape_of
+from ev_msgs_py.contract.fields import NEGLIGIBLE, Shape, shape_of
 from ev_msgs_py.contract.frame import TIME, Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
+
+
+@compilable
+def without_sign(value: float) -> float:
+    """A number that is never negative: 0 for one that is so by rounding alone, NaN for one that is."""
+    if value >= 0.0:
+        return value
+    return 0.0 if value >= -NEGLIGIBLE else math.nan
 
 
 class Part(Protocol):
@@ -152,7 +161,7 @@ def _writer(signal: type) -> Callable[[Any, Any], None]:
     """A function that puts a signal into the numbers of a frame, as its message carries it."""
     place, shape = frame.PLACES[signal], shape_of(signal)
 
-    per_wheel, has_single = shape.per_wheel, shape.has_single
+    per_wheel, has_single, never_negative = shape.per_wheel, shape.has_single, shape.never_negative
 
     def write(there: Any, output: Any) -> None:
         values = output
@@ -161,6 +170,8 @@ def _writer(signal: type) -> Callable[[Any, Any], None]:
                 if len(each) != len(WHEEL_NAMES):
                     raise TypeError("no Wheels")
             values = sum(output, ())
+        if never_negative:
+            values = shape.without_sign(values, never_negative)
         if has_single:
             values = shape.carried(values)
         if not math.isfinite(sum(values)):

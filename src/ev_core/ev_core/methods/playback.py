@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -14,7 +13,7 @@ from ev_core.methods.part import CalledBack
 from ev_core.methods.register import Method
 from ev_core.parameters.data_file import TIME, RecordingError, read_arrays, refuse_outside
 from ev_msgs_py.contract import stamps
-from ev_msgs_py.contract.fields import SignalError
+from ev_msgs_py.contract.fields import NEGLIGIBLE, SignalError, shape_of
 from ev_msgs_py.contract.frame import PLACES, Frame, time_in
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.topics import TOPICS
@@ -76,7 +75,7 @@ class RecordedRole:
             raise ParameterError(f"{role} method {name}: a {role} says {topics}, none of it is in the file", "method")
         self.stamps = self._stamps(arrays[TIME])
         self.last, self.instants = int(self.stamps[-1]), len(self.stamps)
-        self.rows = [(PLACES[signal], self._rows(arrays, TOPICS[signal].channels)) for signal in self.writes]
+        self.rows = [(PLACES[signal], self._rows(arrays, signal)) for signal in self.writes]
 
     def _stamps(self, times: np.ndarray) -> np.ndarray:
         """The recorded instants [ns]; ParameterError if there are none, or if one is no number."""
@@ -90,15 +89,28 @@ class RecordedRole:
         found: np.ndarray = np.rint(times.astype(float) * stamps.NANOSECONDS).astype(np.int64)
         return found
 
-    def _rows(self, arrays: dict[str, np.ndarray], channels: Sequence[str]) -> np.ndarray:
-        """The recorded numbers of a signal, (instants, numbers); ParameterError if a channel has more or fewer."""
+    def _rows(self, arrays: dict[str, np.ndarray], signal: type) -> np.ndarray:
+        """The recorded numbers of a signal, (instants, numbers); ParameterError if a channel has more or fewer.
+
+        So it is if a command is negative, such as a brake torque.
+        """
+        channels = TOPICS[signal].channels
         for channel in channels:
             if len(arrays[channel]) != self.instants:
                 raise ParameterError(
                     f"{self.role} method {self.name}: {channel} has {len(arrays[channel])} numbers, "
                     f"{TIME} has {self.instants}, expected as many"
                 )
-        return np.stack([arrays[channel].astype(float) for channel in channels], axis=1)
+        rows = np.stack([arrays[channel].astype(float) for channel in channels], axis=1)
+        for place in shape_of(signal).unsigned_commands:
+            column = rows[:, place]
+            if (column < -NEGLIGIBLE).any():
+                at = int(np.argmax(column < -NEGLIGIBLE))
+                raise ParameterError(
+                    f"{self.role} method {self.name}: {channels[place]} {at} is {column[at]}, expected 0 or more"
+                )
+            column[column < 0.0] = 0.0
+        return rows
 
     def has(self, signal: type) -> bool:
         """Whether all channels of a signal were recorded."""

@@ -18,14 +18,14 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.compiling.machine_code import FUNCTION, call, function_address
+from ev_core.compiling.machine_code import FUNCTION
 from ev_core.methods.part import PythonPart
 from ev_core.methods.register import Method, refuse_taken
+from ev_core.native.adapter import INPUTS, STATUS, adapter
 from ev_core.native.interface import BY_WHEEL, CAR, LAW_ROLES, VERSION, bit, car_row, layout, reads_of, size_of
 from ev_core.parameters.data_file import find_file
 from ev_core.parameters.declaration import number_tree, setting
 from ev_core.vehicle.car import car_numbers
-from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import SignalError, shape_of
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.signals import Instant
@@ -152,10 +152,6 @@ def _text(raw: bytes | None) -> str:
     return (raw or b"").decode("utf-8", "replace")
 
 
-STATUS = 1  # place of what the last step returned; before it stands the address of the function, behind it the inputs
-INPUTS = 2
-
-
 def library_method(role: str, name: str) -> Method:
     """The method of a role that a library brings; ParameterError, in one line, if it cannot."""
     if role not in LAW_ROLES:
@@ -218,7 +214,10 @@ class NativeLaw:
 
     @property
     def error(self) -> SignalError:
-        """What to say of a function that has not returned 0."""
+        """What to say of a function that has not returned 0, or of its answer."""
+        if not self.row[STATUS]:  # a number is negative that must not be
+            shape = shape_of(self._written)
+            return shape.negative(self.row[self.outputs : self.given].tolist(), shape.never_negative)
         return SignalError(f"{self.library.name}: step returned {self.row[STATUS]:g}, allowed is 0")
 
     @property
@@ -249,49 +248,5 @@ class NativePart(PythonPart):
         """Of the compiled step between frame and library, of state and row."""
         law: NativeLaw = self.made
         places = tuple(law.places.items())
-        adapter = _adapter(law.library.role, law.library.reads, places, law.outputs, law.given)
-        return adapter, law.memory.ctypes.data, law.address(0)
-
-
-_TEXT = '''"""{role} in a library: generated, do not edit."""
-
-from numba import carray, cfunc, types
-
-P = types.voidptr
-
-
-@cfunc(types.int32(P, P, P, P), error_model="numpy")
-def step(now, next, state, constants):
-    here, there = carray(now, {size}, FLOAT), carray(next, {size}, FLOAT)
-    row, words, memory = carray(constants, {row}, FLOAT), carray(constants, 1, INT), carray(state, 1, FLOAT)
-{copying}
-    at = row.ctypes.data
-    status = call(words[0], at + {inputs}, at + {outputs}, memory.ctypes.data, at + {given})
-    row[{status}] = status
-{writing}
-    return status
-'''
-
-
-@cache
-def _adapter(role: str, reads: tuple[type, ...], places: tuple[tuple[type, int], ...], outputs: int, given: int) -> int:
-    """Address of the compiled step between frame and library, the same for all laws of a role that read the same."""
-    row = dict(places)
-    (written,) = ROLES[role].writes
-    copying = [f"row[{row[Instant]}] = here[{frame.TIME}]"]
-    for signal in reads:
-        copying += [f"row[{row[signal] + i}] = here[{at}]" for i, at in enumerate(frame.places(signal))]
-    writing = [f"there[{at}] = row[{outputs + i}]" for i, at in enumerate(frame.places(written))]
-    copying, writing = ([f"    {line}" for line in lines] for lines in (copying, writing))
-    text = _TEXT.format(
-        role=role,
-        size=frame.SIZE,
-        row=given,
-        copying="\n".join(copying),
-        writing="\n".join(writing),
-        inputs=8 * INPUTS,
-        outputs=8 * outputs,
-        given=8 * given,
-        status=STATUS,
-    )
-    return function_address(f"library_{role}", text, {"FLOAT": np.float64, "INT": np.int64, "call": call})
+        address = adapter(law.library.role, law.library.reads, places, law.outputs, law.given)
+        return address, law.memory.ctypes.data, law.address(0)

@@ -200,6 +200,9 @@ class OrdinarySteps:
             row["template"], row["mask"] = block.place_for(form.template), block.place_for(form.mask)
             row["length"], row["single"] = len(form.template), form.code == "f"
             row["first"], row["last"] = run, run + len(form.runs)
+            numbers = {place for each in form.runs for place in range(each.place, each.place + each.length)}
+            unsigned = sorted(numbers & frame.UNSIGNED_COMMANDS)
+            row["unsigned"], row["signed"] = (unsigned[0], unsigned[-1] + 1) if unsigned else (0, 0)
             run += len(form.runs)
         self._inputs["subscription"] = [end.address for end in inputs]
         self._outputs["publisher"] = [end.address for end in outputs]

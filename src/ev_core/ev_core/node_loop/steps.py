@@ -1,9 +1,9 @@
 """The ordinary steps of a node in lockstep as one compiled loop: messages in, a step, messages out, sleep.
 
-Ordinary is a message of the admitted publisher, laid out as our nodes do, finite, and NEW by the protocol of
-`lockstep/inbox.py`, which is compiled here and works on the memory of the node's inbox. Whatever else comes ends the
-loop and is for Python to see to. Messages stand in a block of memory; how they are read and written there is the
-compiled form of `wire`.
+Ordinary is a message of the admitted publisher, laid out as our nodes do, its numbers finite and none negative that
+must not be, and NEW by the protocol of `lockstep/inbox.py`, which is compiled here and works on the memory of the
+node's inbox. Whatever else comes ends the loop and is for Python to see to. Messages stand in a block of memory; how
+they are read and written there is the compiled form of `wire`.
 """
 
 from __future__ import annotations
@@ -38,8 +38,9 @@ def integers(*names: str) -> list[Any]:
 
 
 # A topic: `template` and `mask`, which has all bits of what is constant, begin at these bytes of the block, and the
-# runs `first` to `last` have its numbers, which are `single` precision or not.
-TOPIC = integers("template", "mask", "length", "first", "last", "single")
+# runs `first` to `last` have its numbers, which are `single` precision or not. Those of the frame from place `unsigned`
+# on to `signed` are commands that are never negative.
+TOPIC = integers("template", "mask", "length", "first", "last", "single", "unsigned", "signed")
 RUN = np.dtype(integers("place", "offset", "length"))
 
 
@@ -62,7 +63,7 @@ def stamp_in(memory: Any, at: int) -> int:
 
 @compilable
 def read_numbers(memory: Any, at: int, topic: Any, runs: Any, numbers: Any) -> bool:
-    """Copy the numbers of a message into a frame, as long as they are finite; whether all are."""
+    """Copy the numbers of a message into a frame, as long as they are finite; whether all are, and none is negative."""
     for r in range(topic.first, topic.last):
         place, begin = runs[r].place, at + runs[r].offset
         for n in range(runs[r].length):
@@ -70,7 +71,10 @@ def read_numbers(memory: Any, at: int, topic: Any, runs: Any, numbers: Any) -> b
             if number - number != 0.0:
                 return False
             numbers[place + n] = number
-    return True
+    negative = 0
+    for place in range(topic.unsigned, topic.signed):
+        negative += numbers[place] < 0.0
+    return negative == 0
 
 
 @compilable

@@ -41,6 +41,9 @@ def magnitude(unit: str, about: str, place: str, sensor: str = "", largest: floa
     return Field(unit, about, place, sensor, largest, never_negative=True, **how)
 
 
+NEGLIGIBLE = 1e-9  # what rounding leaves of a - b where both are the same number of up to 1e6, and far below any torque
+
+
 def field_of(hint: Any) -> Field:
     """The Field in an annotation; TypeError if there is none."""
     for each in getattr(hint, "__metadata__", ()):
@@ -80,6 +83,10 @@ class Shape:
         self.has_single = any(field.single_precision for field in self.fields.values())
         self.single = tuple(field.single_precision for field in self.fields.values() for _ in ends)
         self.lateral = tuple(field.lateral for field in self.fields.values() for _ in ends)
+        never_negative = [field for field in self.fields.values() for _ in ends]
+        self.never_negative = tuple(i for i, field in enumerate(never_negative) if field.never_negative)
+        # Those of them that no sensor shows, whose noise may be negative: commands.
+        self.unsigned_commands = tuple(i for i in self.never_negative if not never_negative[i].sensor)
 
     def flat(self, signal: Any) -> tuple[float, ...]:
         """The numbers of a signal, in the order of `channels`."""
@@ -108,6 +115,22 @@ class Shape:
                 raise SignalError(
                     f"{self.signal.__name__}.{channel} is {value}, allowed is what single precision holds, up to 3.4e38"
                 )
+
+    def without_sign(self, values: Sequence[float], places: Sequence[int]) -> Sequence[float]:
+        """The numbers; those at these places are never negative, SignalError if one is by more than rounding."""
+        if all(values[place] >= 0.0 for place in places):
+            return values
+        if any(values[place] < -NEGLIGIBLE for place in places):
+            raise self.negative(values, places)
+        found = [*values]
+        for place in places:
+            found[place] = 0.0 if values[place] < 0.0 else values[place]
+        return found
+
+    def negative(self, values: Sequence[float], places: Sequence[int]) -> SignalError:
+        """The error that names the first number of those at these places that is negative."""
+        place = next(place for place in places if values[place] < -NEGLIGIBLE)
+        return SignalError(f"{self.signal.__name__}.{self.channels[place]} is {values[place]}, expected 0 or more")
 
     def reader(self, place: int) -> Callable[[Any], Any]:
         """A function that gives the signal whose numbers stand in bytes of float64, from a place on."""

@@ -43,6 +43,12 @@ def span(signals: Iterable[type]) -> tuple[int, int]:
     return min(place.start for place in found), max(place.stop for place in found)
 
 
+# Of commands that are never negative, such as brake torques.
+UNSIGNED_COMMANDS = frozenset(
+    place.start + i for signal, place in PLACES.items() for i in shape_of(signal).unsigned_commands
+)
+
+
 @cache
 def channels() -> Mapping[str, int]:
     """The place of every recorded channel, such as wheel_states.velocity.front_left, in the frame."""

@@ -19,6 +19,7 @@ from ev_core.lockstep.parts import compiled_parts, part_of
 from ev_core.lockstep.run import call, refuse_not_finite, roles_in_order
 from ev_core.sensors.row import imperfect
 from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.fields import NEGLIGIBLE
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
@@ -194,8 +195,11 @@ class Simulation:
                 raise unknown_name("input", name, self.inputs)
             if not math.isfinite(value):
                 raise ParameterError(f"input {name}: {quoted(value)} is refused, allowed is a finite number")
+            if self._inputs[name] in frame.UNSIGNED_COMMANDS and value < -NEGLIGIBLE:
+                raise ParameterError(f"input {name}: {quoted(value)} is refused, expected 0 or more")
         for name, value in (inputs or {}).items():
-            self._here[self._inputs[name]] = value
+            place = self._inputs[name]
+            self._here[place] = 0.0 if value < 0.0 and place in frame.UNSIGNED_COMMANDS else value
         self._answer(self._behind)
         self._next[:] = self._here
         self._next[frame.TIME] = self._time_of(self._instant + 1)  # by which faults know when they strike

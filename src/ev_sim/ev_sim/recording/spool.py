@@ -60,6 +60,7 @@ class MessageTable:
             begin = run.place - self._where.start
             found[regular, begin : begin + run.length] = raw.view(self._number)
         alike &= np.isfinite(found[regular]).all(axis=1)
+        alike &= (found[regular][:, self._format.topic.shape.unsigned_commands] >= 0.0).all(axis=1)
         for i in sorted({*range(len(messages))} - {regular[j] for j in np.flatnonzero(alike)}):
             try:
                 found[i] = self._format.read(messages[i])[1]
