@@ -181,7 +181,9 @@ def own_node(domain) -> Iterator[Node]:
     """A node of somebody else in the graph."""
     context = Context()
     rclpy.init(context=context, domain_id=domain)
-    yield Node("own", context=context, namespace=NAMESPACE)
+    node = Node("own", context=context, namespace=NAMESPACE)
+    yield node
+    node.destroy_node()  # it would be found before the others by the next test, and taken for the whole graph
     context.try_shutdown()
 
 
