@@ -168,6 +168,24 @@ def test_a_yaw_rate_that_is_not_that_of_the_car_gives_no_interval(late):
     assert np.isnan(found.intervals).all()
 
 
+@pytest.mark.parametrize(
+    ("name", "offset", "line"),
+    [
+        (YAW_RATE, 0.02, r"the fit is -0\.0\d+ rad/s off twist\.yaw_rate on average: offset of a sensor"),
+        (YAW_RATE, -0.02, r"the fit is \+0\.0\d+ rad/s off twist\.yaw_rate on average"),
+        (LATERAL, 0.2, r"the fit is -0\.0\d+ rad off sideslip on average"),
+        (ROAD_WHEEL_ANGLE, 0.02, r"the fit is \+0\.\d+ rad/s off twist\.yaw_rate on average"),
+        (YAW_RATE, 0.003, ""),
+    ],
+    ids=["gyro", "gyro, negative", "velocity to the side", "steering", "less than noise"],
+)
+def test_an_offset_of_a_sensor_is_named_and_gives_no_interval(name, offset, line):
+    """All windows have it, so their differences, by which intervals are as wide as they are, do not show it."""
+    found = fitted(replay_of(replace(record_of({name: driven().channels[name] + offset}), noise={}), inertia=1.1), 25)
+    assert any(re.search(line, each) for each in found.doubts) == bool(line), found.doubts
+    assert np.isnan(found.intervals).all() == bool(line)
+
+
 def test_a_number_at_the_end_of_its_range_has_no_interval():
     found = fitted(replay_of(record_of()), 25)
     free = replace(found.free[0], high=float(found.fitted.values[0]))

@@ -95,6 +95,12 @@ class Residuals:
         )  # fmt: skip
 
 
+def floors_of(replay: OpenLoop, signals: Sequence[str]) -> dict[str, float]:
+    """By signal the noise that is declared of its sensor, or that of a good one."""
+    deviations = {name: float(np.nanstd(replay.measured(name))) for name in signals}
+    return {n: replay.record.noise.get(n) or FLOORS.get(n, FLOOR * of) for n, of in deviations.items()}
+
+
 def identify(
     replay: OpenLoop,
     free: Sequence[FreeParameter],
@@ -115,9 +121,8 @@ def identify(
     No weight is below the noise that is declared of its sensor, or below `FLOORS`: a signal that happens to fit well
     would else buy its last hundredth with much of another one.
     """
-    deviations = {name: float(np.nanstd(replay.measured(name))) for name in signals}
-    floors = {n: replay.record.noise.get(n) or FLOORS.get(n, FLOOR * of) for n, of in deviations.items()}
-    weights = {name: max(0.1 * of, floors[name]) for name, of in deviations.items()}
+    floors = floors_of(replay, signals)
+    weights = {name: max(0.1 * float(np.nanstd(replay.measured(name))), floors[name]) for name in signals}
     of = Residuals(replay, free, weights, every, width, journal)
     first = of.fit(of.begin, most)
     progress(f"start 1: cost {first.cost:.6g} in {first.nfev} steps, by a tenth of each signal")

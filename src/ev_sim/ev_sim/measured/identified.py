@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ev_sim.measured.free_parameters import FreeParameter, changes
-from ev_sim.measured.identification import Fitted
+from ev_sim.measured.identification import Fitted, floors_of
 from ev_sim.measured.intervals import Knowledge, in_words
 from ev_sim.measured.records.record import quoted_source
 from ev_sim.measured.replays.errors import CLEAR, Judged
@@ -24,6 +24,8 @@ from ev_sim.report.tables import text_table
 CAR, BESIDE = "vehicle.yaml", "parameters.yaml"
 FILES_OF_IDENTIFICATION = (*FILES, CAR, BESIDE)
 PARTS = ("training", "held out")
+# Share of an RMS error above which its mean counts: all windows have it, so their differences do not show it.
+CONSTANT = 0.5
 
 
 @dataclass(frozen=True)
@@ -61,12 +63,16 @@ class Identified:
         if len(training.windows) == 1:
             found.append("one window does not show how much windows differ")
         before, after = self.judged[PARTS[0]]
+        floors = floors_of(training, [*self.fitted.weights])
         for name in self.fitted.weights:
             was, now = (each.judged[name] for each in (before, after))
             typical = float(np.nanstd(training.measured(name)))
             if not now.median_window < (1.0 - CLEAR) ** 0.5 * typical:
                 off = f"the fit is {now.median_window:.3g} {now.unit} off {name} in the median window"
                 found.append(f"{off}, which itself deviates by {typical:.3g}: another clock, sensor or car")
+            constant = now.errors.bias
+            if abs(constant) > max(CONSTANT * now.errors.rms, floors[name]):
+                found.append(f"the fit is {constant:+.3g} {now.unit} off {name} on average: offset of a sensor")
             if now.median_window > was.median_window + 0.05 * max(was.median_window, self.fitted.weights[name]):
                 found.append(f"{name} is reproduced worse than at the start: {_change(was, now)}")
             if late := now.is_late(name):
