@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,12 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from ev_control.inverter_gateway.can import prepare
-from ev_control.inverter_gateway.gateway import GatewayParameters, LockstepGatewayParameters
+from ev_control.inverter_gateway.gateway import (
+    GatewayParameters,
+    LockstepGatewayParameters,
+    check_limits,
+    most_torque,
+)
 from ev_control.inverter_gateway.station import GatewayStation
 from ev_core.bus.checking import TOLERANCES, CheckState, check, is_valid, no_new_data
 from ev_core.bus.parameters import load_database
@@ -21,7 +27,7 @@ from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
 from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE, bench_frames
-from ev_msgs_py.can.payload import rounded_down
+from ev_msgs_py.can.payload import BitField, rounded_down
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.inverter.circuit_station import CircuitStation
 from ev_sim.inverter.device import INJECTIONS, CircuitParameters, inject
@@ -156,6 +162,16 @@ def test_a_limit_that_would_be_zero_on_the_bus_is_refused(values, text):
     with pytest.raises(ParameterError) as refused:
         prepare(build(LockstepGatewayParameters, values), _ANY_CAR, 0.001)
     assert text in str(refused.value)
+
+
+def test_a_limit_below_one_step_of_the_torque_is_refused():
+    """Of a database whose torques are coarser than its limits, 10 N m and 4 N m: below 12 N m no torque goes out."""
+    coarse = BitField(start=24.0, length=16.0, signed=1.0, scale=10.0, steps=0.1, offset=0.0, low=-1000.0, high=1000.0)
+    layout = replace(bench_frames(ours()).set_point, torque=coarse)
+    with pytest.raises(ParameterError, match=r"torque_limit: 9.0 is refused, expected 0 or at least 12 N m"):
+        check_limits(layout, GatewayParameters(torque_limit=9.0))
+    check_limits(layout, GatewayParameters(torque_limit=12.0))
+    assert most_torque(layout, 12.0) == 10.0
 
 
 def test_no_torque_at_all_may_be_asked_for():

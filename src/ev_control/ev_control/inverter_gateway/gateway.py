@@ -4,6 +4,7 @@ The transducer is compared with the inverter, and with the wheel that the circui
 """
 
 from dataclasses import dataclass
+from math import ceil
 
 from ev_core.bus.checking import CheckState
 from ev_core.bus.parameters import BusParameters
@@ -173,15 +174,28 @@ class GatewayParameters:
             )
 
 
+@compilable
+def most_torque(layout: SetPointLayout, limit: float) -> float:
+    """The largest torque within a limit [N m] that a set-point can both ask for and limit."""
+    return rounded_down(layout.torque, rounded_down(layout.torque_limit, limit))
+
+
 def check_limits(layout: SetPointLayout, p: GatewayParameters) -> None:
     """Refuse limits that are above zero and zero in the frames: the drive would be enabled and give nothing."""
-    for name, value, unit, sent, step in (
-        ("torque_limit", p.torque_limit, "N m", p.torque_limit, layout.torque_limit),
-        ("load_torque_limit", p.load_torque_limit, "N m", p.load_torque_limit, layout.torque_limit),
-        ("speed_limit", p.speed_limit, "rad/s", p.speed_limit / RPM, layout.speed),
+    of_torque = layout.torque_limit.scale
+    of_torque *= max(ceil(layout.torque.scale / of_torque), 1)
+    for name, value, unit, most, least in (
+        ("torque_limit", p.torque_limit, "N m", most_torque(layout, p.torque_limit), of_torque),
+        ("load_torque_limit", p.load_torque_limit, "N m", most_torque(layout, p.load_torque_limit), of_torque),
+        (
+            "speed_limit",
+            p.speed_limit,
+            "rad/s",
+            rounded_down(layout.speed, p.speed_limit / RPM),
+            layout.speed.scale * RPM,
+        ),
     ):
-        if value > 0.0 and rounded_down(step, sent) <= 0.0:
-            least = step.scale * value / sent
+        if value > 0.0 and most <= 0.0:
             raise ParameterError(
                 f"{name}: {value!r} is refused, expected 0 or at least {least:.4g} {unit}, the step of the frames", name
             )

@@ -4,7 +4,7 @@ Feedback is checked frame by frame, and kept as far as it is valid. Set-points a
 the gateway has latched and enabled.
 """
 
-from ev_control.inverter_gateway.gateway import BOTH, Device, Feedback, Gateway, GatewayParameters
+from ev_control.inverter_gateway.gateway import BOTH, Device, Feedback, Gateway, GatewayParameters, most_torque
 from ev_core.bus import checking
 from ev_msgs_py.can import drive_states
 from ev_msgs_py.can.frames import RPM, SENT, TORQUE_MODE, BenchFrames, DeviceFrames, guarded
@@ -181,16 +181,16 @@ def set_point(f: BenchFrames, own: DeviceFrames, s: Device, torque_limit: float,
 
     The command goes out where the device is enabled and its statusword confirms it. A torque goes with the speed limit.
     """
-    most_torque = rounded_down(f.set_point.torque, rounded_down(f.set_point.torque_limit, torque_limit))
+    most = most_torque(f.set_point, torque_limit)
     most_speed = rounded_down(f.set_point.speed, speed_limit / RPM)
-    torque = min(max(s.torque, -most_torque), most_torque)
+    torque = min(max(s.torque, -most), most)
     speed = most_speed if int(s.mode) == TORQUE_MODE else min(max(s.speed / RPM, -most_speed), most_speed)
     turns = s.enable != 0.0 and int(s.feedback.state) == drive_states.OPERATION_ENABLED
     payload = inserted(0, f.set_point.mode, s.mode)
     payload = inserted(payload, f.set_point.controlword, float(controlword(s)))
     payload = inserted(payload, f.set_point.torque, torque if turns else 0.0)
     payload = inserted(payload, f.set_point.speed, speed if turns else 0.0)
-    payload = inserted(payload, f.set_point.torque_limit, most_torque if turns else 0.0)
+    payload = inserted(payload, f.set_point.torque_limit, most if turns else 0.0)
     counter = int(s.counter)
     s.counter = float(next_counter(counter))
     return guarded(f.set_point, payload, own.set_point_data_id, counter)
