@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Build the wheels of the five packages, for `pip install` without ROS: scripts/build_wheels.sh [DIR], by default dist.
+# Build the wheels of all packages, for `pip install` without ROS: scripts/build_wheels.sh [DIR], by default dist.
 set -euo pipefail
 root="$(readlink -f "${BASH_SOURCE[0]}")" && root="${root%/*/*}"
 mkdir -p "${1:-$root/dist}"
@@ -8,7 +8,7 @@ wheel=(python3 -m pip wheel)
 [[ ! -x "$root/.venv/bin/python" ]] || wheel=("$root/.venv/bin/python" -m pip wheel --no-build-isolation)
 copy="$(mktemp -d)"
 trap 'rm -rf "$copy"' EXIT
-for package in ev_msgs_py ev_core ev_control ev_sim ev_papers; do # of copies: a build leaves its traces beside the sources
+for package in ev_msgs_py ev_core ev_control ev_sim ev_doors ev_papers; do # of copies: a build leaves its traces beside the sources
     mkdir "$copy/$package"
     (cd "$root/src/$package" && tar --dereference --exclude=__pycache__ --exclude='*.egg-info' -cf - .) | tar -xf - -C "$copy/$package"
 done

@@ -226,7 +226,7 @@ record_paths() {
     .venv/bin/python -c '
 import sys
 print("import sys; sys.path +=", ascii(sys.argv[1:]))' \
-        "$root"/build/{ev_msgs_py,ev_core,ev_control,ev_sim,ev_papers} >"$(packages_folder)/ev_stack.pth"
+        "$root"/build/{ev_msgs_py,ev_core,ev_control,ev_sim,ev_doors,ev_papers} >"$(packages_folder)/ev_stack.pth"
 }
 
 compile_ahead() {

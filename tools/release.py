@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 CHANGELOG, CITATION = "CHANGELOG.md", "CITATION.cff"
-_PACKAGES = ("ev_control", "ev_core", "ev_msgs_py", "ev_papers", "ev_sim")
+_PACKAGES = ("ev_control", "ev_core", "ev_doors", "ev_msgs_py", "ev_papers", "ev_sim")
 FILES = (*(f"src/{name}/package.xml" for name in _PACKAGES), CITATION)
 _UNRELEASED = "## [Unreleased]\n"
 _VERSION = re.compile(r"\d+\.\d+\.\d+")

@@ -47,7 +47,6 @@ setup(
     packages=find_packages(exclude=["test"]),
     package_data={
         "ev_sim": ["py.typed", "__init__.pyi", *CONFIG],
-        "ev_sim.export": ["templates/*"],
         "ev_sim.figures": ["*.mplstyle"],
         "ev_sim.report.page": ["templates/*", "vendor/*"],
     },
@@ -71,9 +70,7 @@ setup(
         "bag": ["rosbags==0.11.*"],
         "can": [f"ev_core[can]=={VERSION}"],
         "cluster": ["dask", "distributed"],
-        "dashboard": ["tornado>=6.4"],
         "frame": ["pandas"],
-        "gymnasium": ["gymnasium>=1.0"],
         "parquet": ["pyarrow"],
         "test": ["pytest"],
         "tune": ["cma>=4.4"],
@@ -81,6 +78,7 @@ setup(
     zip_safe=False,  # config is read as files
     entry_points={
         "console_scripts": ["ev-stack = ev_sim.commands.ev_stack:main", *(NODES if IS_COLCON else [])],
+        "ev_stack.commands": ["ev_sim = ev_sim.commands"],
         "ev_stack.nodes": NODES,
         "ev_stack.config": ["ev_sim = ev_sim"],
         "ev_stack.reports": [f"{name} = ev_sim.manoeuvres.{name}" for name in MANOEUVRES],

@@ -15,8 +15,8 @@ from ros_graph import Graph, graph, shchur
 from std_srvs.srv import Trigger
 
 from ev_core.nodes.runner_line import TIME_SERVICE
+from ev_doors.bridges import simulation
 from ev_msgs_py.contract.roles import MASTER, REQUIRED
-from ev_sim.bridges import simulation
 
 OK = Result.RESULT_OK
 SERVICE, ACTION = "simulation_interfaces/srv/{}", "simulation_interfaces/action/SimulateSteps"

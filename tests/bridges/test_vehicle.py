@@ -11,8 +11,8 @@ from bridges.stand_ins import KINDS
 from rclpy.parameter import Parameter
 from ros_graph import NAMESPACE, Graph, graph, shchur
 
+from ev_doors.bridges import vehicle
 from ev_msgs_py.contract.roles import MASTER, REQUIRED
-from ev_sim.bridges import vehicle
 from ev_sim.commands.ev_stack import perform
 
 CONTROL, GEAR = "/control/command/control_cmd", "/control/command/gear_cmd"

@@ -31,9 +31,9 @@ from ev_control.inverter_gateway.station import GatewayStation
 from ev_core.bus.channel import Channel
 from ev_core.nodes.bus_nodes import Ticks
 from ev_core.parameters.values import build
+from ev_doors.export.targets import TARGETS
 from ev_msgs_py.can.frames import SPEED_MODE
 from ev_msgs_py.contract import stamps
-from ev_sim.export.targets import TARGETS
 from ev_sim.interface.driving import only_run, overrides
 from ev_sim.interface.simulation import SteppedLaw
 

@@ -17,6 +17,7 @@ from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.parts import compiled_part
 from ev_core.methods.law_error import LawError
 from ev_core.methods.register import all_methods
+from ev_core.packages import OURS
 from ev_msgs_py.compilable import FUNCTIONS
 
 HEAD = '''
@@ -116,7 +117,7 @@ def test_a_text_of_one_meaning_is_compiled(tmp_path):
 
 
 def _is_ours(function: Any) -> bool:
-    return function.__module__.partition(".")[0] in ("ev_core", "ev_control", "ev_sim", "ev_papers", "ev_msgs_py")
+    return function.__module__.partition(".")[0] in OURS
 
 
 def test_functions_of_ours_have_one_meaning():

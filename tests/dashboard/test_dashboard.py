@@ -17,8 +17,8 @@ from accessibility import CONTROLS_WITHOUT_NAME, TEXT_OF_POOR_CONTRAST
 from pictures.browser import FOUND, Browser
 from run_script import ENVIRONMENT, ROOT
 
-from ev_sim.commands import dashboard as command
-from ev_sim.dashboard.server import listening
+from ev_doors.commands import dashboard as command
+from ev_doors.dashboard.server import listening
 from ev_sim.recording.outcome import RunFailed
 
 WORDS = "[...document.querySelectorAll('#words li')].map((line) => line.textContent)"

@@ -7,7 +7,7 @@ import random
 import socket
 import struct
 
-from ev_sim.dashboard.server import ADDRESS, Pages, listening
+from ev_doors.dashboard.server import ADDRESS, Pages, listening
 
 PAGES = 200
 ROW = bytes(8 * 4000)  # more than what a socket takes at once, so that messages are cut in two

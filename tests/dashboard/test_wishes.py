@@ -17,8 +17,8 @@ from ros_graph import NAMESPACE, node_of, ros_domain
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
-from ev_sim.dashboard.controls import Controls
-from ev_sim.dashboard.server import Pages, listening
+from ev_doors.dashboard.controls import Controls
+from ev_doors.dashboard.server import Pages, listening
 
 NODE = "asr"  # with numbers, whole numbers, a flag, a choice and arrays
 FIELDS = ("seed", "vehicle.mass", "lock_memory", "method", "faults")

@@ -15,9 +15,10 @@ import yaml
 from catkin_pkg.package import parse_package
 
 import ev_sim
+from ev_core.packages import OURS
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("ev_control", "ev_core", "ev_msgs_py", "ev_papers", "ev_sim")
+PACKAGES = tuple(sorted(OURS))
 SCRIPTS = sorted([*ROOT.glob("scripts/*.sh"), ROOT / ".ci" / "run"])
 
 

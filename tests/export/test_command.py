@@ -12,8 +12,8 @@ import pytest
 
 from ev_core.compiling.object_symbols import calls
 from ev_core.compiling.other_processors import X86_64_LINUX
+from ev_doors.export import targets
 from ev_sim.commands.ev_stack import perform
-from ev_sim.export import targets
 
 LAW = ["export", "shchur2019", "--only", "driver"]
 LINUX = ["--target", "x86_64-linux"]

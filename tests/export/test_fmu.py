@@ -17,11 +17,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import ev_sim
+from ev_doors.export import targets
+from ev_doors.export.fmu import TARGETS as FMU_TARGETS
+from ev_doors.export.fmu import VERSIONS, base_unit, place
+from ev_doors.export.targets import TARGETS
 from ev_sim.commands.ev_stack import perform
-from ev_sim.export import targets
-from ev_sim.export.fmu import TARGETS as FMU_TARGETS
-from ev_sim.export.fmu import VERSIONS, base_unit, place
-from ev_sim.export.targets import TARGETS
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "couple_fmus.py"
 IMPORTER = Path(__file__).with_name("importer.c")

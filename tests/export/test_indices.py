@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from ev_sim.export.content import Content
-from ev_sim.export.program import Program, build_program
-from ev_sim.export.targets import TARGETS
+from ev_doors.export.content import Content
+from ev_doors.export.program import Program, build_program
+from ev_doors.export.targets import TARGETS
 from ev_sim.interface.driving import only_run, overrides
 
 LAW = '''

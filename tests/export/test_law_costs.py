@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from documentation import law_costs
-from ev_sim.export.content import Content
-from ev_sim.export.on_processor import with_processors
-from ev_sim.export.targets import TARGETS
+from ev_doors.export.content import Content
+from ev_doors.export.on_processor import with_processors
+from ev_doors.export.targets import TARGETS
 from ev_sim.recording.offline import run_offline
 
 PAGE = Path(__file__).parents[2] / law_costs.NATIVE

@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from patience import wait_until
 
+from ev_doors.export import program as exported
+from ev_doors.export.content import Content
+from ev_doors.export.counting import counted
+from ev_doors.export.library import Library
+from ev_doors.export.program import Program, build_program
+from ev_doors.export.targets import TARGETS
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.export import program as exported
-from ev_sim.export.content import Content
-from ev_sim.export.counting import counted
-from ev_sim.export.library import Library
-from ev_sim.export.program import Program, build_program
-from ev_sim.export.targets import TARGETS
 from ev_sim.interface.driving import only_run, overrides
 from ev_sim.interface.simulation import SteppedLaw
 

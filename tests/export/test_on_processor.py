@@ -8,11 +8,11 @@ import shutil
 import numpy as np
 import pytest
 
+from ev_doors.export import on_processor, program
+from ev_doors.export.on_processor import with_processors
+from ev_doors.export.targets import TARGETS
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.ev_stack import perform
-from ev_sim.export import on_processor, program
-from ev_sim.export.on_processor import with_processors
-from ev_sim.export.targets import TARGETS
 from ev_sim.interface.driving import only_run, overrides
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import signal_hash

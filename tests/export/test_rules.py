@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ev_doors.export.content import Content, Tunable
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.export.content import Content, Tunable
 from ev_sim.interface.driving import only_run, overrides
 from ev_sim.scenarios.scenario import Run, load_scenario, scenario_names
 

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 import ev_sim
+from ev_doors.learning.environment import Environment
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.observer import last
 from ev_sim.commands.run_scenario import main
 from ev_sim.interface.driving import overrides
-from ev_sim.learning.environment import Environment
 from ev_sim.recording.recording import load, signal_hash
 
 

@@ -15,16 +15,16 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
+import ev_doors.learning
 import ev_sim
-import ev_sim.learning
 from ev_core.methods.register import methods_of
 from ev_core.parameters.data_file import files_in_config
+from ev_doors.learning.environment import ACTIONS, Environment
+from ev_doors.learning.limits import limits
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.interface.simulation import Simulation
-from ev_sim.learning.environment import ACTIONS, Environment
-from ev_sim.learning.limits import limits
 from ev_sim.recording.offline import written_topics
 from ev_sim.recording.recording import signal_hash
 from ev_sim.scenarios.about import vehicle_of
@@ -35,7 +35,7 @@ NOISE = {"plant.sensors.imu_yaw_rate.noise": 0.01}
 DURATION = 0.4
 
 
-@pytest.mark.parametrize("name", ev_sim.learning.IDS)
+@pytest.mark.parametrize("name", ev_doors.learning.IDS)
 @pytest.mark.filterwarnings("ignore:.*(Box action space|no `spec`)")
 def test_environments_keep_the_rules_of_gymnasium(name):
     """Bounds in N m are not -1 to 1, but those of motors and hands: that is all that the checker remarks."""
@@ -268,9 +268,9 @@ def test_wrong_words_get_one_line(told, said):
 
 def test_without_gymnasium_one_line_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "gymnasium", None)
-    monkeypatch.delitem(sys.modules, "ev_sim.learning")
+    monkeypatch.delitem(sys.modules, "ev_doors.learning")
     with pytest.raises(ImportError, match=r"^gymnasium cannot be imported .*: pip install 'ev_sim\[gymnasium\]'$"):
-        __import__("ev_sim.learning")
+        __import__("ev_doors.learning")
 
 
 def test_the_example_runs(capsys):

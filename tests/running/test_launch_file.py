@@ -13,7 +13,7 @@ from types import ModuleType, SimpleNamespace
 import pytest
 import yaml
 
-from ev_sim.commands.exports import write_parameters
+from ev_sim.commands.descriptions import write_parameters
 from ev_sim.running.offline import node_parameters
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 

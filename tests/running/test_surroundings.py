@@ -69,8 +69,8 @@ sys.meta_path.insert(0, Interrupt())
 # Modules of each stage: Python's own start, the entry point, the command's module, what that imports when it works.
 STAGES = {
     "list": ("importlib.metadata", "ev_sim.commands.ev_stack", "ev_sim.commands.run_scenario"),
-    "dashboard": ("ev_core.nodes.stop_request", "ev_sim.commands.dashboard", "rclpy", "tornado"),
-    "schema": ("ev_sim.commands.exports", "numpy"),
+    "dashboard": ("ev_core.nodes.stop_request", "ev_doors.commands.dashboard", "rclpy", "tornado"),
+    "schema": ("ev_sim.commands.descriptions", "numpy"),
 }
 
 

@@ -16,7 +16,7 @@ from ev_core.bus.model import BusModelParameters
 from ev_core.law import group, setting
 from ev_core.lockstep.configuration import configure
 from ev_core.sensors.random_numbers import seeded
-from ev_sim.learning.environment import Environment
+from ev_doors.learning.environment import Environment
 from ev_sim.surfaces import RoadParameters, left_and_right
 from ev_sim.test_bench.described import CanCircuitsParameters
 

@@ -12,11 +12,11 @@ import yaml
 from rclpy.serialization import deserialize_message
 
 from ev_core.vehicle.description import Vehicle
+from ev_doors.dashboard import ros_views
 from ev_msgs_py.contract.frame import PLACES, SIZE
 from ev_msgs_py.contract.signals import BodyPose
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.wire import empty_message, message_class
-from ev_sim.dashboard import ros_views
 from ev_sim.recording.durable_bag import ros_types
 from ev_sim.recording.recording import recording_of
 from ev_sim.views.messages import VIEWS, CarViews

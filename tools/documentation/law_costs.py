@@ -16,11 +16,11 @@ import numpy as np
 from documentation.markdown import code, table
 from documentation.own_methods import own_methods
 from documentation.processors import DRIVEN, refuse_missing
+from ev_doors.export.content import Content
+from ev_doors.export.counting import counted
+from ev_doors.export.program import Measured, Program, build_program
+from ev_doors.export.targets import TARGETS
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.export.content import Content
-from ev_sim.export.counting import counted
-from ev_sim.export.program import Measured, Program, build_program
-from ev_sim.export.targets import TARGETS
 from ev_sim.interface.driving import only_run, overrides
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording

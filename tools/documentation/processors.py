@@ -9,10 +9,10 @@ from pathlib import Path
 
 from documentation.hashes import Hashes
 from documentation.markdown import code, table
+from ev_doors.export.content import Content
+from ev_doors.export.program import Program, build_program
+from ev_doors.export.targets import TARGETS, Target
 from ev_msgs_py.contract import frame, stamps
-from ev_sim.export.content import Content
-from ev_sim.export.program import Program, build_program
-from ev_sim.export.targets import TARGETS, Target
 from ev_sim.recording.recording import Recording, signal_hash
 from ev_sim.scenarios.scenario import Run, load_scenario
 

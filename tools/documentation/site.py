@@ -24,7 +24,7 @@ REFERENCE = {
     "Runs from Python": ("ev_sim",),
     "What a run gives": ("ev_sim.recording.recording.Recording", "ev_sim.measures.metric.Metric"),
     "Metrics of a batch": ("ev_sim.batches.observer.Reduction",),
-    "Gymnasium": ("ev_sim.learning.environment", "ev_sim.learning.limits.Limit"),
+    "Gymnasium": ("ev_doors.learning.environment", "ev_doors.learning.limits.Limit"),
     "Laws": ("ev_core.law",),
     "What laws share": ("ev_control.law",),
     "Contract check": ("ev_core.check.method",),

@@ -15,7 +15,7 @@ import gymnasium
 import numpy as np
 from policy import WEIGHTS
 
-import ev_sim.learning  # noqa: F401, registers the environments
+import ev_doors.learning  # noqa: F401, registers the environments
 from ev_core.law import GRAVITY
 from ev_core.lockstep.configuration import configure
 from ev_core.parameters.declaration import flatten

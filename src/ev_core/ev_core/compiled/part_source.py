@@ -32,6 +32,7 @@ from ev_core.methods.law import Given, Law, given_names
 from ev_core.methods.law_error import kind_of
 from ev_core.methods.part import without_sign
 from ev_core.methods.register import Method
+from ev_core.packages import OURS
 from ev_core.parameters.record import numbers, record_type, shape_of_record, working_memory
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import frame
@@ -168,14 +169,16 @@ def write(there, output):
 {writing}
 
 """
-_OURS = ("ev_core", "ev_control", "ev_sim", "ev_papers")  # packages: the suite compiles them once with the checks
 _COPIED = 8192  # numbers of a state that the stack has room for
 
 
 def is_checked(method: Method) -> bool:
-    """Whether indices of a law are checked: it is not one of ours, by its name or by its text (`functools.wraps`)."""
+    """Whether indices of a law are checked: it is not one of ours, by its name or by its text (`functools.wraps`).
+
+    The suite compiles ours once with the checks.
+    """
     written_in = law_of(method).function.__globals__["__name__"].partition(".")[0]
-    return method.package not in _OURS or written_in not in _OURS
+    return method.package not in OURS or written_in not in OURS
 
 
 def law_of(method: Method) -> Law:

@@ -12,6 +12,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
+from ev_core.methods.offered import offered_module
 from ev_core.parameters.data_file import TABLE, read_data
 from ev_msgs_py.refusal import LINE, quoted, shown
 from ev_sim.command_line.options import overrides, own_nodes, printing, processors
@@ -25,6 +26,7 @@ from ev_sim.running.beforehand import compile_for
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.scenario import Run, load_scenario
 
+PROCESSORS = "ev_stack.processors"  # of entry points: `program`, the module that moves laws onto other processors
 _MIDDLEWARE = "RMW_IMPLEMENTATION"
 _SHARED_MEMORY, _ROOM = "/dev/shm", 65536  # bytes; where there are fewer, LTTng of ROS 2 ends the process by SIGBUS
 
@@ -36,9 +38,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
     _refuse_without_ros(given)
     on_processors = []
     if given.processor:
-        from ev_sim.export.on_processor import with_processors
-
-        moved = [with_processors(run, processors(given)) for run in scenario.runs]
+        programs = offered_module(PROCESSORS, "--processor", "program")
+        moved = [programs.with_processors(run, processors(given)) for run in scenario.runs]
         scenario = replace(scenario, runs=tuple(run for run, _ in moved))
         on_processors = [each for _, made in moved for each in made]
     out = given.out or Path("results") / scenario.name

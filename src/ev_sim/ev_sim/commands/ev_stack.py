@@ -7,7 +7,6 @@ import os
 import signal
 import sys
 from collections.abc import Sequence
-from importlib import import_module
 from importlib.metadata import version
 
 from ev_core.nodes.stop_request import (
@@ -22,43 +21,8 @@ from ev_core.nodes.stop_request import (
     was_interrupted,
 )
 from ev_msgs_py.refusal import quoted, unknown_name
+from ev_sim.command_line.offered_commands import commands
 from ev_sim.command_line.refusal import refuse
-
-COMMANDS = {  # name -> module and function that takes words, and what it does
-    "run": (
-        "run_scenario.main",
-        "drive a scenario, a study or a review: ev-stack run SCENARIO; --help lists the options",
-    ),
-    "list": ("run_scenario.list_all", "scenarios, studies and methods, one line each"),
-    "security_policies": ("live_graph.policies", "policies for DDS security, and the running graph against them"),
-    "schema": ("exports.print_schema", "JSON Schema of scenario, vehicle and parameter files, for editors"),
-    "export": (
-        "exports.export_library",
-        "a car or its laws as a C library: ev-stack export SCENARIO --target TARGET --out DIR",
-    ),
-    "fmu": (
-        "exports.export_fmu",
-        "a car or its laws as an FMU (FMI 2.0 or 3.0, co-simulation): ev-stack fmu SCENARIO --out NAME.fmu",
-    ),
-    "urdf": ("exports.print_urdf", "a car as URDF, for RViz and Foxglove: ev-stack urdf VEHICLE"),
-    "parameters": ("exports.write_parameters", "all parameters of the nodes of a run, as files, and how they start"),
-    "visualization": (
-        "live_graph.visualize",
-        "tf, odometry and markers of tyre forces beside a run, for RViz and Foxglove",
-    ),
-    "dashboard": ("dashboard.main", "a local page: live signals, the car from above, parameters, time"),
-    "compile": ("compiling.main", "compile all methods, or those of scenarios, so that no run has to wait"),
-    "header": ("exports.print_header", "ev_laws.h, the interface of laws in C and C++"),
-    "node": ("live_graph.node", "nodes of a running graph: node list, info NODE"),
-    "param": ("shell.param", "parameters of running nodes: get NODE [NAME], set NODE NAME VALUE, list, describe, dump"),
-    "pause": ("shell.pause", "let the time of a running graph stand still"),
-    "resume": ("shell.resume", "let it go on"),
-    "step": ("shell.step", "let one step pass, or N, and stand still"),
-    "reset": ("shell.reset", "begin anew at time zero"),
-    "bridge": ("bridges.bridge", "nodes for simulation_interfaces, Autoware, ackermann_msgs: bridge KIND"),
-    "topic": ("live_graph.topic", "topics of a running graph: topic list, echo NAME, hz NAME, info NAME"),
-    "inspect": ("live_graph.inspect", "show the running graph: nodes, topics, rates"),
-}
 
 
 def main() -> None:
@@ -104,22 +68,21 @@ def perform(words: Sequence[str]) -> None:
     """Do what the words of a command line ask for; SystemExit, KeyboardInterrupt."""
     if not words or words[0] in ("-h", "--help"):
         print("ev-stack COMMAND [options], ev-stack --version; COMMAND is one of")
-        for name, (_, about) in COMMANDS.items():
-            print(f"  {name:10} {about}")
+        for name, command in commands().items():
+            print(f"  {name:10} {command.about}")
         return
     if words[0] == "--version":
         print(f"ev-stack {version('ev_sim')}")
         return
-    if words[0] not in COMMANDS:
+    if words[0] not in commands():
         with loading():
             from ev_sim.commands.run_scenario import names
         driven = f"{quoted(words[0])} is no command: ev-stack run {words[0]}" if words[0] in names() else ""
-        print(f"ev-stack: {driven or unknown_name('command', words[0], (*COMMANDS, *names()))}", file=sys.stderr)
+        print(f"ev-stack: {driven or unknown_name('command', words[0], (*commands(), *names()))}", file=sys.stderr)
         sys.exit(2)
-    module, _, function = COMMANDS[words[0]][0].partition(".")
     try:
         with loading():
-            command = getattr(import_module(f"ev_sim.commands.{module}"), function)
-        command(list(words[1:]))
+            perform_command = commands()[words[0]].load()
+        perform_command(list(words[1:]))
     except OSError as error:  # such as too many open files while it is loaded
         refuse(error)

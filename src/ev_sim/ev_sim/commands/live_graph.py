@@ -8,18 +8,12 @@ import time
 from collections.abc import Iterator
 from contextlib import suppress
 
-import rclpy
-from rclpy.exceptions import InvalidNamespaceException
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
-from rclpy.validate_namespace import validate_namespace
 
-from ev_core.nodes.stop_request import StopRequest
-from ev_core.run_role import NO_LOG_FILE, leave_graph
 from ev_msgs_py.refusal import LINE, shown
 from ev_msgs_py.wire import message_class
-from ev_sim.command_line.refusal import Parser, refuse
+from ev_sim.command_line.refusal import Parser
 from ev_sim.commands.present_graph import full_names, in_the_graph, quality_of, topics_of, type_of
 from ev_sim.commands.shell import Shell, messages, parser_of, shell_in, verb_of
 from ev_sim.recording.outcome import RunFailed
@@ -172,73 +166,3 @@ def _about_node(shell: Shell, node: str) -> Iterator[str]:
         yield f"  {what}:"
         for end, kinds in sorted(of_node(name, space or "/")):
             yield f"    {end}: {', '.join(kinds)}"
-
-
-_ABOUT_POLICIES = "Write the policy file of the graph for DDS security, or hold the running graph against it."
-
-
-def policies(argv: list[str]) -> None:
-    """ev-stack security_policies [--namespace /ev] [--check]"""
-    from ev_sim.security.permissions import permissions, permissions_in_use, policy_file, violations
-
-    parser = Parser(prog="security_policies", description=_ABOUT_POLICIES)
-    parser.add_argument("--namespace", type=_namespace, default="/ev", help="of the nodes; default /ev")
-    parser.add_argument(
-        "--check", action="store_true", help="hold the running graph against it, status 1 if it does more"
-    )
-    given = parser.parse_args(argv)
-    allowed = permissions(given.namespace)
-    if not given.check:
-        print(policy_file(given.namespace, allowed.values()), end="")
-        return
-    try:
-        with in_the_graph("security_policies") as node:
-            used = permissions_in_use(node, given.namespace)
-    except (LookupError, RunFailed) as error:
-        refuse(error.args[0])
-    if not used:
-        refuse(f"no node is running in namespace {given.namespace}")
-    found = violations(allowed, used.values())
-    print(f"{len(used)} nodes, {len(found)} things that the policy does not allow", *found, sep="\n")
-    sys.exit(bool(found))
-
-
-def _namespace(text: str) -> str:
-    namespace = text.rstrip("/")
-    try:
-        validate_namespace(namespace or "/")
-    except InvalidNamespaceException as error:
-        raise argparse.ArgumentTypeError(str(error).splitlines()[0]) from None
-    return namespace
-
-
-_VISUALIZATION = "visualization"  # in the graph
-_VIEW_PERIOD = 0.05  # s of wall time between two looks
-
-
-def visualize(argv: list[str]) -> None:
-    """ev-stack visualization [--ros-args ...]; the namespace is /ev unless -r __ns:=/NAME gives another one."""
-    from ev_sim.dashboard.controls import Controls
-    from ev_sim.dashboard.live_frames import LiveFrames
-    from ev_sim.dashboard.ros_views import RosViews
-    from ev_sim.views.messages import CarViews
-
-    with StopRequest() as stop:
-        rclpy.init(args=[*argv, "--ros-args", NO_LOG_FILE], signal_handler_options=SignalHandlerOptions.NO)
-        try:
-            node = rclpy.create_node(_VISUALIZATION, namespace="ev", start_parameter_services=False)
-            frames = LiveFrames(node, lambda cause, text: node.get_logger().warning(text, once=True))
-            views = RosViews(node, node.get_logger().warning)
-            controls = Controls(node.context, node.get_namespace(), f"{_VISUALIZATION}_controls", frames.take_car)
-            was_there = False
-            while not stop.received and (controls.has_master or not was_there):
-                was_there |= controls.has_master
-                controls.look()
-                if frames.look() and frames.vehicle is not None:
-                    rear_is_steered = "rear_steering" in controls.nodes
-                    views.publish(frames.recording, CarViews(node.get_namespace(), frames.vehicle, rear_is_steered))
-                time.sleep(_VIEW_PERIOD)
-            leave_graph(node)
-        finally:
-            rclpy.try_shutdown()
-    print(f"{_VISUALIZATION}: stopped" if stop.received else f"{_VISUALIZATION}: the run has ended")

@@ -26,8 +26,8 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import LINE, quoted
 from ev_msgs_py.wire import message_class
 from ev_sim.command_line.refusal import Parser, refuse
+from ev_sim.commands.parameter_text import parameter_of
 from ev_sim.commands.present_graph import full_names, in_the_graph, master_namespace, quality_of, type_of
-from ev_sim.dashboard.controls import wished
 from ev_sim.recording.outcome import RunFailed
 
 _NAME = "ev_stack_shell"
@@ -210,7 +210,7 @@ def _set(shell: Shell, given: Any) -> str:
     client, there = shell.parameters_of(given.node, given.name)
     before = _known(given, there)
     try:
-        parameter = wished(given.name, before.type_, given.value)
+        parameter = parameter_of(given.name, before.type_, given.value)
     except ValueError as error:
         raise ValueError(f"{given.node}.{given.name}: {error}") from None
     result = shell.answer(given.node, client.set_parameters_atomically([parameter])).result

@@ -5,8 +5,8 @@ from typing import Any
 
 
 def extra(module: str, name: str) -> Any:
-    """A module of an extra of ev_sim, which only some uses need; ImportError with how to get it."""
+    """A module of an extra such as ev_doors[gymnasium]; ImportError with how to get it."""
     try:
         return import_module(module)
     except ImportError as error:
-        raise ImportError(f"{module} cannot be imported ({error}): pip install 'ev_sim[{name}]'") from None
+        raise ImportError(f"{module} cannot be imported ({error}): pip install '{name}'") from None

@@ -18,6 +18,7 @@ from pathlib import Path
 
 from ev_core.methods.offered import offered
 from ev_core.methods.register import Method
+from ev_core.packages import OURS
 from ev_core.parameters.data_file import config_folders, entry_points
 from ev_sim.report.summary import PACKAGES, versions
 from ev_sim.scenarios.about import REPORTS
@@ -70,8 +71,7 @@ def _imports(module: str, file: Path) -> Iterator[str]:
                 yield from (".".join(parts[: n + 1]) for n in range(len(parts)))
 
 
-NEVER_DRIVES = ("ev_sim/commands", "ev_sim/dashboard", "ev_sim/report/page")
-_OURS = ("ev_msgs_py", "ev_core", "ev_control", "ev_sim", "ev_papers")
+NEVER_DRIVES = ("ev_sim/commands", "ev_doors", "ev_sim/report/page")
 _LENGTH = 24  # hexadecimal digits
 
 
@@ -97,9 +97,9 @@ def text_of_report(name: str) -> str:
 @cache
 def _texts_of(module: str) -> str:
     """A digest of somebody else's module, of what it imports, and of the data files of its package."""
-    if module.partition(".")[0] in ("", *_OURS):
+    if module.partition(".")[0] in ("", *OURS):
         return ""
-    files = {(path.name, path) for path in imported_files(module, but=(*_OURS, *PACKAGES))}
+    files = {(path.name, path) for path in imported_files(module, but=(*OURS, *PACKAGES))}
     return _digest("", {*files, *_data_of(module.partition(".")[0])})
 
 
@@ -118,7 +118,7 @@ def _data_of(package: str) -> Iterator[tuple[str, Path]]:
 @cache
 def _published() -> str:
     """A digest of what our sources have published."""
-    tops = [Path(import_module(package).__file__ or "").parent for package in _OURS]
+    tops = [Path(import_module(package).__file__ or "").parent for package in OURS]
     return _digest("", ((path.relative_to(top).as_posix(), path) for top in tops for path in top.rglob("*.csv")))
 
 
@@ -145,7 +145,7 @@ def _digest(head: str, files: Iterable[tuple[str, Path]]) -> str:
 
 
 def _sources(without: Sequence[str]) -> Iterable[tuple[str, Path]]:
-    for package in _OURS:
+    for package in OURS:
         top = Path(import_module(package).__file__ or "").parent.parent
         for path in (top / package).rglob("*.py"):
             name = path.relative_to(top).as_posix()

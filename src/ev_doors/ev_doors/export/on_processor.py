@@ -14,14 +14,14 @@ from typing import Any
 from ev_core.lockstep.parts import restarts
 from ev_core.methods.part import CalledBack
 from ev_core.methods.register import Method
+from ev_doors.export.content import Content
+from ev_doors.export.counting import counted
+from ev_doors.export.program import Program, build_program
+from ev_doors.export.targets import TARGETS, target_of
 from ev_msgs_py.contract.fields import SignalError, shape_of
 from ev_msgs_py.contract.frame import PLACES, Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.export.content import Content
-from ev_sim.export.counting import counted
-from ev_sim.export.program import Program, build_program
-from ev_sim.export.targets import TARGETS, target_of
 from ev_sim.scenarios.scenario import Run
 
 # Emulated here; anything else is the command of a program on a processor of the user's.

@@ -11,4 +11,6 @@ IDS = {  # -> arguments of Environment
 }  # fmt: skip
 
 for _id, _arguments in IDS.items():
-    extra("gymnasium", "gymnasium").register(_id, "ev_sim.learning.environment:Environment", kwargs=_arguments)
+    extra("gymnasium", "ev_doors[gymnasium]").register(
+        _id, "ev_doors.learning.environment:Environment", kwargs=_arguments
+    )

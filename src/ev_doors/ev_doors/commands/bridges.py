@@ -7,7 +7,7 @@ from functools import partial
 
 from ev_core.nodes.stop_request import StopRequest
 from ev_core.run_role import run_node
-from ev_sim.bridges import needed
+from ev_doors.bridges import needed
 from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.commands.present_graph import in_the_graph, master_namespace
 from ev_sim.recording.outcome import RunFailed
@@ -39,12 +39,12 @@ def bridge(argv: list[str]) -> None:
         for kind in _NEEDED[given.kind]:
             needed(kind)
         if given.kind in _VEHICLES:
-            from ev_sim.bridges import vehicle
+            from ev_doors.bridges import vehicle
 
             sys.argv[1:] = rest
             run_node("driver", partial(vehicle.CommandedDriver, getattr(vehicle, given.kind.capitalize())))
             return
-        from ev_sim.bridges.simulation import SimulationInterfaces
+        from ev_doors.bridges.simulation import SimulationInterfaces
 
         with StopRequest() as stop, in_the_graph(_SIMULATION) as node:
             SimulationInterfaces(node, master_namespace(node, given.namespace)).spin(lambda: stop.received)

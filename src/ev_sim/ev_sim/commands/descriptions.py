@@ -1,14 +1,12 @@
-"""What is written for other tools: schemas, cars as URDF, parameters of nodes, libraries and FMUs, the C interface."""
+"""Descriptions for other tools: schemas, cars as URDF, parameters of nodes, the C interface."""
 
 from __future__ import annotations
 
 import json
 import re
-from argparse import Namespace
 from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ev_core.methods.register import CommonParameters, methods_of
 from ev_core.nodes.master.real_time import MasterParameters
@@ -25,9 +23,6 @@ from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import PARAMETERS
 from ev_sim.scenarios.about import ScenarioParameters, vehicle_of
-
-if TYPE_CHECKING:
-    from ev_sim.export.content import Content
 
 
 def print_header(argv: list[str]) -> None:
@@ -86,71 +81,6 @@ def write_parameters(argv: list[str]) -> None:
     layout = config_folders()[-1] / "layouts" / "car.rviz"
     started_by = {"namespace": run.namespace, "parameters": str(file), "nodes": started, "rviz": str(layout)}
     print(json.dumps(started_by, indent=2))
-
-
-def export_library(argv: list[str]) -> None:
-    """ev-stack export SCENARIO --target TARGET --out DIR [--only ROLE,ROLE | --without ROLE,ROLE] [options]"""
-    from ev_sim.export.library import write_library
-    from ev_sim.export.targets import TARGETS, target_of
-
-    parser = _of_export("export", "a car or its laws as a C library")
-    parser.add_argument("--target", required=True, metavar="TARGET", help=", ".join(TARGETS))
-    parser.add_argument("--name", default="", help="names in C begin with evs_NAME; default: run and roles")
-    parser.add_argument("--out", type=output_folder, required=True, metavar="DIR", help="where the files shall be")
-    given = parser.parse_args(argv)
-    try:
-        target = target_of(given.target)
-        content = _content(given)
-        name = given.name or "_".join([content.run.name, *_words(given.only)])
-        write_library(content, name, target, given.out)
-    except (ParameterError, OSError) as error:
-        refuse(error)
-    print(f"{name}: {', '.join(content.roles)} for {target.name} in {given.out}, hash {content.digest[:12]}")
-
-
-def export_fmu(argv: list[str]) -> None:
-    """ev-stack fmu SCENARIO --out NAME.fmu [--only ROLE,ROLE | --without ROLE,ROLE] [options]"""
-    from ev_sim.export.fmu import TARGETS, VERSIONS, write_fmu
-    from ev_sim.export.targets import target_of
-
-    parser = _of_export("fmu", "a car or its laws as an FMU for co-simulation")
-    parser.add_argument("--fmi", type=int, choices=VERSIONS, default=VERSIONS[0], help="version of FMI; default: 2")
-    parser.add_argument(
-        "--target", default=",".join(TARGETS), metavar="TARGET,TARGET", help="what it runs on; default: %(default)s"
-    )
-    parser.add_argument("--out", type=Path, required=True, metavar="NAME.fmu", help="NAME becomes that of the model")
-    given = parser.parse_args(argv)
-    try:
-        targets = [target_of(name) for name in dict.fromkeys(given.target.split(","))]
-        content = _content(given)
-        write_fmu(content, given.fmi, targets, given.out)
-    except (ParameterError, OSError) as error:
-        refuse(error)
-    print(f"{given.out}: {', '.join(content.roles)} for {given.target}, hash {content.digest[:12]}")
-
-
-def _of_export(command: str, about: str) -> Parser:
-    """Options by which a run and its roles are chosen."""
-    parser = Parser(prog=f"ev-stack {command}", description=f"ev-stack {command}: {about}.")
-    parser.add_argument("scenario", help="name of a scenario, or path of your own")
-    parser.add_argument("--run", default="", help="of a scenario with several runs")
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument("--only", default="", metavar="ROLE,ROLE", help="these roles, such as asr; default: all")
-    what.add_argument("--without", default="", metavar="ROLE,ROLE", help="all but these, whose answers are inputs")
-    add_overrides(parser)
-    return parser
-
-
-def _words(text: str) -> list[str]:
-    return text.split(",") if text else []
-
-
-def _content(given: Namespace) -> Content:
-    from ev_sim.export.content import Content
-    from ev_sim.interface.driving import only_run
-
-    run = only_run(given.scenario, given.run, overrides(given))
-    return Content(run, _words(given.only), _words(given.without))
 
 
 _NUMBER = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*"

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ev_core.parameters.declaration import entries
+from ev_doors.export.content import Content
+from ev_doors.export.library import Library
+from ev_doors.export.targets import Target
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.export.content import Content
-from ev_sim.export.library import Library
-from ev_sim.export.targets import Target
 from ev_sim.recording.recording import atomic_file
 from ev_sim.running.output_folder import OutputFolder
 

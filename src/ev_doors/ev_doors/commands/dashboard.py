@@ -30,7 +30,7 @@ def main(argv: list[str] | None = None) -> None:
     for package, what in (("rclpy", "ROS 2 (rclpy)"), ("tornado", "tornado")):
         if find_spec(package) is None:
             refuse(f"a dashboard needs {what}, which is not installed here")
-    from ev_sim.dashboard.server import attached, listening
+    from ev_doors.dashboard.server import attached, listening
 
     try:
         with _domain(bool(words)) as domain:

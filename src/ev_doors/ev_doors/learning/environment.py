@@ -15,6 +15,9 @@ import numpy as np
 
 from ev_core.lockstep.configuration import Configuration
 from ev_core.vehicle.description import Vehicle
+from ev_doors.learning.limits import LARGEST_HAND_TORQUE, limits, motor_torques
+from ev_doors.learning.rewards import CalmYaw, Reward, like_the_driver, quick_without_slip
+from ev_doors.learning.view import picture
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueCommand, WheelTorqueRequest
@@ -23,9 +26,6 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.interface.driving import Name
 from ev_sim.interface.simulation import Simulation, SteppedLaw
-from ev_sim.learning.limits import LARGEST_HAND_TORQUE, limits, motor_torques
-from ev_sim.learning.rewards import CalmYaw, Reward, like_the_driver, quick_without_slip
-from ev_sim.learning.view import picture
 from ev_sim.plant.guard import guard_limits
 
 Frame = Mapping[str, float]

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any
 
-import yaml
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -21,17 +20,14 @@ from ev_core.nodes import ros_parameters
 from ev_core.nodes.master.schedule import TIME_SERVICES
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import quoted
-from ev_sim.scenarios.parameter_file import read_yaml
+from ev_sim.commands.parameter_text import parameter_of
 
 _LONGEST_LINE = 400  # characters
-_LONGEST_TEXT = 100_000  # characters; YAML of more would hold the pages up
-_WHOLE = range(-(2**63), 2**63)
-_KINDS = {
-    Parameter.Type.DOUBLE: float,
-    Parameter.Type.INTEGER: int,
-    Parameter.Type.BOOL: bool,
-    Parameter.Type.STRING: str,
-}  # all others are arrays: the kind of an empty one is not known
+_PATIENCE = 3.0  # s of wall time for a node to answer
+GRAPH_PERIOD = 1.0  # s between looks at which nodes there are
+_AT_ONCE = 20  # answers that are taken in one look
+
+Tell = Callable[[dict[str, Any]], None]
 
 
 def line(text: str, refused: bool) -> dict[str, Any]:
@@ -39,47 +35,6 @@ def line(text: str, refused: bool) -> dict[str, Any]:
     text = " ".join(text.split())
     shown = text if len(text) <= _LONGEST_LINE else f"{text[:_LONGEST_LINE]}..."
     return {"kind": "word", "text": shown, "refused": refused}
-
-
-def wished(name: str, kind: Parameter.Type, value: Any) -> Parameter:
-    """The parameter of that kind; ValueError in one line if the value, or YAML in a text, cannot be carried."""
-    try:
-        given = _read(value) if isinstance(value, str) and kind != Parameter.Type.STRING else value
-        if kind in _KINDS:
-            return Parameter(name, kind, *_alike([given], _KINDS[kind]))
-        if not isinstance(given, list):
-            raise TypeError
-        kinds = {type(element) for element in given}
-        return Parameter(name, value=_alike(given, float if float in kinds else next(iter(kinds), str)))
-    except (TypeError, ValueError, OverflowError, yaml.YAMLError):
-        allowed = kind.name.lower() if kind in _KINDS else "an array in brackets, [] for an empty one"
-        raise ValueError(f"{quoted(value)} is refused, allowed is {allowed}") from None
-
-
-def _read(text: str) -> Any:
-    if len(text) > _LONGEST_TEXT:
-        raise ValueError
-    return read_yaml(text)
-
-
-def _alike(values: list[Any], kind: type) -> list[Any]:
-    """The values, all of one kind, whole numbers where others are meant among them; TypeError or ValueError if not."""
-    made = [float(value) if kind is float and type(value) is int else value for value in values]
-    for value in made:
-        if type(value) is not kind or kind not in _KINDS.values():
-            raise TypeError
-        if kind is int and value not in _WHOLE:
-            raise ValueError
-        if kind is str and b"\0" in value.encode():  # ROS would cut it off there
-            raise ValueError
-    return made
-
-
-_PATIENCE = 3.0  # s of wall time for a node to answer
-GRAPH_PERIOD = 1.0  # s between looks at which nodes there are
-_AT_ONCE = 20  # answers that are taken in one look
-
-Tell = Callable[[dict[str, Any]], None]
 
 
 class Controls:
@@ -179,7 +134,7 @@ class Controls:
         if kind is None:
             raise ValueError(f"{node}.{name} is refused: no such parameter in this graph")
         try:
-            parameter = wished(name, kind, value)
+            parameter = parameter_of(name, kind, value)
         except ValueError as error:
             raise ValueError(f"{node}.{name}: {error}") from None
         self._ask(

@@ -15,10 +15,10 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from ev_core.compiling.machine_code import key_of
 from ev_core.compiling.object_symbols import calls, code_size
 from ev_core.compiling.other_processors import object_file
+from ev_doors.export.content import Content, Part, Tunable
+from ev_doors.export.targets import Target
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.export.content import Content, Part, Tunable
-from ev_sim.export.targets import Target
 from ev_sim.recording.recording import atomic_file
 from ev_sim.running.output_folder import OutputFolder
 
@@ -96,7 +96,7 @@ class Library:
     def write(self, folder: Path, target: Target, templates: Sequence[str], **more: Any) -> list[Path]:
         """Files of these templates in a folder."""
         environment = Environment(
-            loader=PackageLoader("ev_sim.export"), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+            loader=PackageLoader("ev_doors.export"), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
         )
         environment.filters.update(rows=_rows, number=_number)
         written = []

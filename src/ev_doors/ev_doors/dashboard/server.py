@@ -24,9 +24,9 @@ from rclpy.node import Node
 from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 
+from ev_doors.dashboard.controls import GRAPH_PERIOD, Controls, line
+from ev_doors.dashboard.live_frames import LiveFrames, Reported
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.dashboard.controls import GRAPH_PERIOD, Controls, line
-from ev_sim.dashboard.live_frames import LiveFrames, Reported
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.page.writing import filled
 from ev_sim.running.node_reports import observing

@@ -18,8 +18,8 @@ from std_srvs.srv import Trigger
 
 from ev_core.nodes.master.schedule import TIME_SERVICES
 from ev_core.nodes.runner_line import TIME_SERVICE
+from ev_doors.bridges import needed
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.bridges import needed
 
 _PACKAGE = "simulation_interfaces"
 _FEATURES = (

@@ -19,10 +19,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ev_doors.export.content import Content
+from ev_doors.export.library import PROTOCOL, Library
+from ev_doors.export.targets import Target
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.export.content import Content
-from ev_sim.export.library import PROTOCOL, Library
-from ev_sim.export.targets import Target
 
 _OPTIONS = ("-std=gnu99", "-O2", "-ffp-contract=off")
 _NAME = "model"

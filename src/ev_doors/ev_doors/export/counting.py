@@ -6,8 +6,8 @@ import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
+from ev_doors.export.targets import TARGETS
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.export.targets import TARGETS
 
 _SOURCE = Path(__file__).parent / "templates" / "qemu_count.c"
 _HOST = TARGETS["x86_64-linux"]

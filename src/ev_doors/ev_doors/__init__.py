@@ -1,0 +1,1 @@
+"""Ways out of the stack: live page, export and FMU, Gymnasium, bridges, DDS security."""

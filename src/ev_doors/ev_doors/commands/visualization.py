@@ -1,0 +1,41 @@
+"""Views of a running car for RViz and Foxglove: tf, odometry, markers of tyre forces."""
+
+from __future__ import annotations
+
+import time
+
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+
+from ev_core.nodes.stop_request import StopRequest
+from ev_core.run_role import NO_LOG_FILE, leave_graph
+from ev_doors.dashboard.controls import Controls
+from ev_doors.dashboard.live_frames import LiveFrames
+from ev_doors.dashboard.ros_views import RosViews
+from ev_sim.views.messages import CarViews
+
+_VISUALIZATION = "visualization"  # in the graph
+_VIEW_PERIOD = 0.05  # s of wall time between two looks
+
+
+def visualize(argv: list[str]) -> None:
+    """ev-stack visualization [--ros-args ...]; the namespace is /ev unless -r __ns:=/NAME gives another one."""
+    with StopRequest() as stop:
+        rclpy.init(args=[*argv, "--ros-args", NO_LOG_FILE], signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            node = rclpy.create_node(_VISUALIZATION, namespace="ev", start_parameter_services=False)
+            frames = LiveFrames(node, lambda cause, text: node.get_logger().warning(text, once=True))
+            views = RosViews(node, node.get_logger().warning)
+            controls = Controls(node.context, node.get_namespace(), f"{_VISUALIZATION}_controls", frames.take_car)
+            was_there = False
+            while not stop.received and (controls.has_master or not was_there):
+                was_there |= controls.has_master
+                controls.look()
+                if frames.look() and frames.vehicle is not None:
+                    rear_is_steered = "rear_steering" in controls.nodes
+                    views.publish(frames.recording, CarViews(node.get_namespace(), frames.vehicle, rear_is_steered))
+                time.sleep(_VIEW_PERIOD)
+            leave_graph(node)
+        finally:
+            rclpy.try_shutdown()
+    print(f"{_VISUALIZATION}: stopped" if stop.received else f"{_VISUALIZATION}: the run has ended")
