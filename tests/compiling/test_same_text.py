@@ -17,8 +17,8 @@ from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.parts import compiled_part
 from ev_core.methods.law_error import LawError
 from ev_core.methods.register import all_methods
-from ev_core.packages import OURS
 from ev_msgs_py.compilable import FUNCTIONS
+from ev_msgs_py.packages import OURS
 
 HEAD = '''
 from dataclasses import dataclass

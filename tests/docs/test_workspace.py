@@ -15,7 +15,7 @@ import yaml
 from catkin_pkg.package import parse_package
 
 import ev_sim
-from ev_core.packages import OURS
+from ev_msgs_py.packages import OURS
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = tuple(sorted(OURS))

@@ -29,7 +29,7 @@ def stepped(configuration: Configuration) -> np.ndarray:
     subject = Subject(configuration, True, STEPS)
     part = subject.part()
     assert isinstance(part, CompiledPart)
-    assert part.is_checked == (not part_source._OURS)
+    assert part.is_checked == (not part_source.OURS)
     return outputs(part, subject.frames(SEED))
 
 
@@ -39,7 +39,7 @@ def assert_same_with_checks(role: str, name: str, monkeypatch: pytest.MonkeyPatc
     if configuration.method.law is None or not configuration.method.law.is_compilable:
         pytest.skip("it is not compiled")
     before = stepped(configuration)
-    monkeypatch.setattr(part_source, "_OURS", ())
+    monkeypatch.setattr(part_source, "OURS", ())
     monkeypatch.setattr(part_source, "_sources", {})
     assert stepped(configuration).tobytes() == before.tobytes()
 

@@ -12,6 +12,7 @@ import pytest
 
 from ev_core.nodes import stop_request
 from ev_msgs_py.refusal import ParameterError
+from ev_sim.command_line import offered_commands
 from ev_sim.command_line.options import arguments, overrides, own_nodes
 from ev_sim.commands import ev_stack
 from ev_sim.commands.run_scenario import main
@@ -203,7 +204,8 @@ def command(monkeypatch):
     """`ev-stack run shchur2019` in this process, which is as it was afterwards."""
     before = {kind: signal.getsignal(kind) for kind in (signal.SIGINT, signal.SIGTERM)}
     signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run in the background
-    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    monkeypatch.setattr(sys, "argv", ["ev-stack", "run", "shchur2019"])
+    offered_commands.commands()  # its tables are imported here, not by what a test puts in the place of `import_module`
     monkeypatch.setattr(sys, "argv", ["ev-stack", "run", "shchur2019"])
     monkeypatch.setattr(stop_request, "_INTERRUPTS", [])
     monkeypatch.setattr(ev_stack, "turn_deaf", lambda: None)
@@ -223,7 +225,7 @@ def test_ctrl_c_is_one_line_from_the_first_moment(when, command, monkeypatch, ca
         raise KeyboardInterrupt
 
     module = SimpleNamespace(main=interrupted)
-    monkeypatch.setattr(ev_stack, "import_module", interrupted if when == "loading" else lambda name: module)
+    monkeypatch.setattr(offered_commands, "import_module", interrupted if when == "loading" else lambda name: module)
     with pytest.raises(SystemExit) as ended:
         command()
     assert ended.value.code == 130
@@ -246,7 +248,7 @@ def test_an_error_that_ctrl_c_has_made_is_one_line_and_any_other_is_told(
                 signal.raise_signal(signal.SIGINT)
         raise error
 
-    monkeypatch.setattr(ev_stack, "import_module", lambda name: SimpleNamespace(main=compile_it))
+    monkeypatch.setattr(offered_commands, "import_module", lambda name: SimpleNamespace(main=compile_it))
     with pytest.raises(SystemExit if interrupted else type(error)) as ended:
         command()
     assert ended.value is error or ended.value.code == 130
@@ -265,7 +267,7 @@ def test_a_command_with_a_participant_ends_without_deleting_it(error, status, sa
         if error is not None:
             raise SystemExit(error)
 
-    monkeypatch.setattr(ev_stack, "import_module", lambda name: SimpleNamespace(main=perform))
+    monkeypatch.setattr(offered_commands, "import_module", lambda name: SimpleNamespace(main=perform))
     with pytest.raises(SystemExit) as ended:
         command()
     assert ended.value.code == status

@@ -32,7 +32,6 @@ from ev_core.methods.law import Given, Law, given_names
 from ev_core.methods.law_error import kind_of
 from ev_core.methods.part import without_sign
 from ev_core.methods.register import Method
-from ev_core.packages import OURS
 from ev_core.parameters.record import numbers, record_type, shape_of_record, working_memory
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import frame
@@ -40,6 +39,7 @@ from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.packages import OURS
 
 HEAD = ("total", "period")
 _RECORD = "record_"  # the name of a record of `c`, with its number

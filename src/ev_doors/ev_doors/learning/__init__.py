@@ -10,7 +10,6 @@ IDS = {  # -> arguments of Environment
     "ev_sim/Steering-v0": {"scenario": "double_lane_change", "action": "steering"},
 }  # fmt: skip
 
+_register = extra("gymnasium", "ev_doors[gymnasium]").register
 for _id, _arguments in IDS.items():
-    extra("gymnasium", "ev_doors[gymnasium]").register(
-        _id, "ev_doors.learning.environment:Environment", kwargs=_arguments
-    )
+    _register(_id, "ev_doors.learning.environment:Environment", kwargs=_arguments)

@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import NamedTuple
 
 from ev_core.methods.offered import offered
+from ev_msgs_py.packages import OURS
 
 GROUP = "ev_stack.commands"  # of entry points: the name of a package, and its module with COMMANDS
 
@@ -27,6 +28,7 @@ class Command(NamedTuple):
 
 @cache
 def commands() -> Mapping[str, Command]:
-    """All commands by name, in the order of packages and of their tables."""
-    tables = [import_module(module).COMMANDS for module in offered(GROUP).values()]
+    """All commands by name: ours first, in the order of packages and of their tables."""
+    packages = sorted(offered(GROUP), key=lambda name: OURS.index(name) if name in OURS else len(OURS))
+    tables = [import_module(offered(GROUP)[package]).COMMANDS for package in packages]
     return {name: Command(*each) for table in tables for name, each in table.items()}

@@ -18,8 +18,8 @@ from pathlib import Path
 
 from ev_core.methods.offered import offered
 from ev_core.methods.register import Method
-from ev_core.packages import OURS
 from ev_core.parameters.data_file import config_folders, entry_points
+from ev_msgs_py.packages import OURS
 from ev_sim.report.summary import PACKAGES, versions
 from ev_sim.scenarios.about import REPORTS
 from ev_sim.study.study import GROUP
