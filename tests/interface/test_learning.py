@@ -269,7 +269,7 @@ def test_wrong_words_get_one_line(told, said):
 def test_without_gymnasium_one_line_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "gymnasium", None)
     monkeypatch.delitem(sys.modules, "ev_doors.learning")
-    with pytest.raises(ImportError, match=r"^gymnasium cannot be imported .*: pip install 'ev_sim\[gymnasium\]'$"):
+    with pytest.raises(ImportError, match=r"^gymnasium cannot be imported .*: pip install 'ev_doors\[gymnasium\]'$"):
         __import__("ev_doors.learning")
 
 
