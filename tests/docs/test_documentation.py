@@ -81,7 +81,7 @@ def test_links_lead_somewhere(page: Path):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_files_that_are_named_with_their_folder_are_there(page: Path):
-    """From the top of the repository, or from that of one of the five packages."""
+    """From the top of the repository, or from that of one of the packages."""
     named = re.findall(r"`(\w[\w/]*/\w+\.(?:py|sh|yaml|csv))`", page.read_text())
     folders = [ROOT, *ROOT.glob("src/*"), *(folder / folder.name for folder in ROOT.glob("src/*"))]
     assert [name for name in named if not any((folder / name).exists() for folder in folders)] == []

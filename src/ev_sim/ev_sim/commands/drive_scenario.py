@@ -12,7 +12,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
-from ev_core.methods.offered import offered_module
+from ev_core.methods.offered import offered, offered_module
 from ev_core.parameters.data_file import TABLE, read_data
 from ev_msgs_py.refusal import LINE, quoted, shown
 from ev_sim.command_line.options import overrides, own_nodes, printing, processors
@@ -38,6 +38,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
     _refuse_without_ros(given)
     on_processors = []
     if given.processor:
+        if "program" not in offered(PROCESSORS):
+            raise RunFailed("--processor needs the package ev_doors, which is not installed here")
         programs = offered_module(PROCESSORS, "--processor", "program")
         moved = [programs.with_processors(run, processors(given)) for run in scenario.runs]
         scenario = replace(scenario, runs=tuple(run for run, _ in moved))
