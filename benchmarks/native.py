@@ -17,10 +17,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ev_core.lockstep.run import GraphRun
-from ev_msgs_py.contract import stamps
 from ev_doors.export.content import Content
 from ev_doors.export.library import Library
 from ev_doors.export.targets import OPTIONS, TARGETS
+from ev_msgs_py.contract import stamps
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 SCENARIOS = ("shchur2019", "double_lane_change")
