@@ -17,7 +17,7 @@ _VERSION = re.compile(r"\d+\.\d+\.\d+")
 def order(version: str) -> tuple[int, ...]:
     """The numbers of a version; ValueError in one line if it is none."""
     if not _VERSION.fullmatch(version):
-        raise ValueError(f"version {version!r} is refused, allowed are three numbers, such as 0.2.0")
+        raise ValueError(f"version {version!r} is refused, expected three numbers, such as 0.2.0")
     return tuple(map(int, version.split(".")))
 
 
@@ -40,7 +40,7 @@ def main(root: Path, version: str) -> None:
     texts = {name: (root / name).read_text(encoding="utf-8") for name in (*FILES, CHANGELOG)}
     (before,) = re.findall(r"^version: (.+)$", texts[CITATION], re.MULTILINE)
     if order(version) <= order(before):
-        raise ValueError(f"version {version} is refused, allowed is one after {before}")
+        raise ValueError(f"version {version} is refused, expected one after {before}")
     changelog = released(texts.pop(CHANGELOG), version, day)
     for name, text in texts.items():
         (root / name).write_text(text.replace(before, version), encoding="utf-8")

@@ -18,11 +18,11 @@ from ev_sim.batches.whole_runs import Ending
 @pytest.mark.parametrize(
     ("vary", "message"),
     [
-        ({"plant.initial_speed": [20.0, 300.0]}, "run 1: plant: parameter initial_speed: 300.0 is refused, allowed is"),
+        ({"plant.initial_speed": [20.0, 300.0]}, "run 1: plant: parameter initial_speed: 300.0 is refused, expected"),
         ({"plant.initial_sped": [20.0]}, "unknown parameter of plant 'initial_sped'; did you mean initial_speed"),
         ({"plnt.initial_speed": [20.0]}, "unknown role 'plnt'; did you mean plant"),
         ({"*.initial_speed": [20.0]}, "unknown parameter of .* 'initial_speed'"),
-        ({"plant.vehicle.mass": [1000.0]}, r"allowed is \*.vehicle.mass, one for all roles"),
+        ({"plant.vehicle.mass": [1000.0]}, r"expected \*.vehicle.mass, one for all roles"),
         ({"*.control_period": [0.01]}, r"\*.control_period is refused: all runs of a batch have the same"),
         ({"plant.duration": [1.0]}, "plant.duration is refused: all runs of a batch have the same duration"),
         ({"asr.method": ["off"]}, "asr.method is refused: all runs of a batch have the same method"),
@@ -31,7 +31,7 @@ from ev_sim.batches.whole_runs import Ending
             {"*.seed": range(3), "plant.initial_speed": [20.0]},
             r"numbers of runs differ: \*.seed 3, plant.initial_speed 1",
         ),
-        ({"*.seed": [1.5]}, "run 0: .*: parameter seed: 1.5 is refused, allowed is a whole number"),
+        ({"*.seed": [1.5]}, "run 0: .*: parameter seed: 1.5 is refused, expected a whole number"),
     ],
 )
 def test_values_that_differ(vary, message):
@@ -45,11 +45,11 @@ def test_values_that_differ(vary, message):
         ({"signals": ["imu.yaw_rat"]}, "unknown channel 'imu.yaw_rat'; did you mean imu.yaw_rate"),
         ({"metrics": {"m": mean("yaw_rate")}}, "unknown channel 'yaw_rate'; did you mean "),
         ({"metrics": {"m": mean("imu.yaw_rate")}, "ending": Ending(lambda *_: True)}, "reductions are refused for"),
-        ({"every": 0}, "every: 0 is refused, allowed is a whole number of periods, at least 1"),
+        ({"every": 0}, "every: 0 is refused, expected a whole number of periods, at least 1"),
         ({"threads": 0}, "threads: 0 is refused, expected is a whole number, at least 1"),
         ({"threads": -1}, "threads: -1 is refused, expected is a whole number, at least 1"),
         ({"threads": 2.5}, r"threads: 2\.5 is refused, expected is a whole number, at least 1"),
-        ({"initial_states": {"plant": np.zeros((2, 3))}}, "initial_states of plant have 3 numbers, allowed are "),
+        ({"initial_states": {"plant": np.zeros((2, 3))}}, "initial_states of plant have 3 numbers, expected "),
         ({"initial_states": {"plnt": np.zeros((2, 3))}}, "unknown role 'plnt'; did you mean plant"),
         (
             {"initial_states": {"plant": np.zeros((2, 3))}, "vary": {"*.seed": [1, 2, 3]}},
@@ -63,7 +63,7 @@ def test_everything_else(given, message):
 
 
 def test_a_negative_duration():
-    with pytest.raises(ParameterError, match=r"duration: -1\.0 is refused, allowed is 0 s or more"):
+    with pytest.raises(ParameterError, match=r"duration: -1\.0 is refused, expected 0 s or more"):
         batch(lane_change(), -1.0)
 
 

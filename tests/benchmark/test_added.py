@@ -97,7 +97,7 @@ def test_what_cannot_be_added_is_one_line(tmp_path: Path):
     of_asr = {"equal_torque": {"method": "equal_torque", "asr.method": "off", "asr.least_slip": 0.1}}
     with pytest.raises(ParameterError, match="parameter least_slip is refused: asr method off does not have it"):
         check_laws(replace(board, laws=of_asr), ["equal_torque"], [])
-    with pytest.raises(ParameterError, match="--add 'pi': the board has a law 'pi', allowed is another name"):
+    with pytest.raises(ParameterError, match="--add 'pi': the board has a law 'pi', expected another name"):
         with_added(board, ["pi"])
 
 

@@ -143,9 +143,9 @@ def test_the_command_beside_a_cell_gives_the_hash_of_the_board(
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (["--drive", "pi:10"], "--drive 'pi:10' is refused, allowed is LAW:DRAW with a draw from 0 to 9"),
+        (["--drive", "pi:10"], "--drive 'pi:10' is refused, expected LAW:DRAW with a draw from 0 to 9"),
         (["--drive", "none:1"], "unknown law 'none'"),
-        (["--drive", "pi:1"], "--drive is for one cell, 36 fit '*'; allowed is --cells ID"),
+        (["--drive", "pi:1"], "--drive is for one cell, 36 fit '*'; expected --cells ID"),
         (["--offline"], "--offline and --in-process are refused: a board is driven in batches, allowed with --drive"),
     ],
 )
@@ -158,8 +158,8 @@ def test_what_cannot_be_driven_alone_is_one_line(words: list[str], line: str):
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ("draws: 10", "draws: 0", "draws is 0, allowed is 1 to 100000"),
-        ("draws: 10", "draws: many", "draws of a board is 'many', allowed is a whole number"),
+        ("draws: 10", "draws: 0", "draws is 0, expected 1 to 100000"),
+        ("draws: 10", "draws: many", "draws of a board is 'many', expected a whole number"),
         ("seed: 1", "sed: 1", "unknown entry of a board 'sed'"),
         ("reference: equal_torque", "reference: none", "unknown reference 'none'"),
         ("roads: [dry, wet, snow]", "roads: [mud]", "unknown road of step_steer 'mud'"),
@@ -173,16 +173,16 @@ def test_what_cannot_be_driven_alone_is_one_line(words: list[str], line: str):
         (
             "handling: [yaw_rate_error,",
             "handling: [1,",
-            "handling of manoeuvre step_steer is [1, 'peak_sideslip'], allowed is a list, each element a text",
+            "handling of manoeuvre step_steer is [1, 'peak_sideslip'], expected a list, each element a text",
         ),
-        ("unstable: 0.5 ", "unstable: .nan ", "unstable of a board is nan, allowed is a finite number"),
-        ("seed: 1", "seed: -1", "seed is -1, unstable 0.5, allowed is 0 or more, above 0 to 1.57"),
-        ("unstable: 0.5 ", "unstable: 1.6 ", "seed is 1, unstable 1.6, allowed is 0 or more, above 0 to 1.57"),
+        ("unstable: 0.5 ", "unstable: .nan ", "unstable of a board is nan, expected a finite number"),
+        ("seed: 1", "seed: -1", "seed is -1, unstable 0.5, expected 0 or more, above 0 to 1.57"),
+        ("unstable: 0.5 ", "unstable: 1.6 ", "seed is 1, unstable 1.6, expected 0 or more, above 0 to 1.57"),
         ("peak_slip: 0.02", "peak_slip: .inf", "scales lacks a number above 0 for peak_slip of launch"),
         ("peak_slip: 0.02", "peak_slip: 0", "scales lacks a number above 0 for peak_slip of launch"),
         ("factor: [1.0, 1.2]", "factor: [1.2, 1.0]", "variation of *.vehicle.mass has the bounds [1.2, 1.0]"),
         ("{method: load_proportional}", "{}", "law load_proportional lacks method"),
-        ("  pi: [pi.*]", "  pi: pi.*", "tuned has pi with 'pi.*', allowed is a list of texts"),
+        ("  pi: [pi.*]", "  pi: pi.*", "tuned has pi with 'pi.*', expected a list of texts"),
         ("{method: load_proportional}", "{method: open, asr.backstop: 1}", "law load_proportional lacks asr.method"),
         ("closed: [pi,", "closed: [pi_neutral,", "closed has laws that differ in one of method, reference,"),
     ],

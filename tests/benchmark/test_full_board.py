@@ -221,7 +221,7 @@ def test_the_friction_jumps_where_the_road_has_it(board: Board):
         (
             "speed_scale: [0.5, 1.1]",
             "speed_scale: [0.5]",
-            "speed_scale of lap is [0.5], allowed are two numbers that rise",
+            "speed_scale of lap is [0.5], expected two numbers that rise",
         ),
         ("length: [100.0]", "length: []", "road dry_to_wet needs as many surfaces left as right"),
     ],

@@ -75,5 +75,5 @@ def test_of_a_secret_board_nothing_but_scores_is_written(tmp_path: Path, capsys:
     shown = json.dumps(content | {"command": ""}) + capsys.readouterr().out
     assert "puddle" not in shown
     assert "distance" not in shown
-    with pytest.raises(ParameterError, match="is a board, allowed is no other one beside it"):
+    with pytest.raises(ParameterError, match="is a board, expected no other one beside it"):
         run_benchmark(["small", *words])

@@ -61,13 +61,13 @@ def test_shares_are_values_within_the_bounds():
 
 
 def test_bounds_are_those_of_the_declaration_and_two_decades():
-    """pi.bandwidth: 10, allowed are 0 to 200; wanted.lag: 0.05, allowed are 0.001 to 1."""
+    """pi.bandwidth: 10, expected 0 to 200; wanted.lag: 0.05, expected 0.001 to 1."""
     lag, bandwidth = free_parameters("pi", configurations("pi"), ["pi.bandwidth", "wanted.lag"])
     assert (bandwidth.low, bandwidth.high) == (pytest.approx(0.1), 200.0)
     assert (lag.low, lag.high) == (0.001, 1.0)
     with pytest.raises(ParameterError, match="unknown number of law pi 'x"):
         free_parameters("pi", configurations("pi"), ["x*"])
-    with pytest.raises(ParameterError, match="of law pi mean 1, allowed are two or more"):
+    with pytest.raises(ParameterError, match="of law pi mean 1, expected two or more"):
         free_parameters("pi", configurations("pi"), ["wanted.lag"])
 
 
@@ -217,7 +217,7 @@ def test_a_search_goes_on_only_while_no_file_of_its_runs_has_changed(tmp_path: P
         (["none"], "unknown electronic_differential method 'none'"),
         (["pi", "lqr", "--free", "pi.*,none"], "unknown number of law pi 'none'"),
         (["pi", "--free", ""], "unknown number of law pi ''"),
-        (["pi", "--budget", "1"], "--budget 1 is refused, allowed is 2 or more"),
+        (["pi", "--budget", "1"], "--budget 1 is refused, expected 2 or more"),
         (["pi", "--board", "full", "--cells", "*:skidpad:dry:*"], "--cells leaves none to tune on"),
     ],
 )

@@ -247,10 +247,10 @@ def test_what_is_searched_is_not_drawn(board: Board):
 @pytest.mark.parametrize(
     ("changed", "line"),
     [
-        ({"value": [0.5, 1.5]}, "variation of motor_fault needs value and begin, allowed are two shares within 0 to 1"),
+        ({"value": [0.5, 1.5]}, "variation of motor_fault needs value and begin, expected two shares within 0 to 1"),
         ({"begin": []}, "variation of motor_fault needs value and begin"),
-        ({"probability": 1.5}, "variation of motor_fault has the probability 1.5, allowed is 0 to 1"),
-        ({"choice": [0.1]}, "variation of motor_fault has the bounds [0.0, 0.5], allowed are two that rise"),
+        ({"probability": 1.5}, "variation of motor_fault has the probability 1.5, expected 0 to 1"),
+        ({"choice": [0.1]}, "variation of motor_fault has the bounds [0.0, 0.5], expected two that rise"),
         ({"parameter": "friction"}, "variation of friction has begin or probability, allowed for motor_fault alone"),
     ],
 )
@@ -291,7 +291,7 @@ ED = "electronic_differential"
         ),
         (
             Variation(f"{ED}.known.error_factor", value=[0.5, 1.0]),
-            f"{ED}.known.error_factor by value [0.5, 1.0]: it is what a law believes of the friction, allowed is told_",
+            f"{ED}.known.error_factor by value [0.5, 1.0]: it is what a law believes of the friction, expected told_",
         ),
     ],
 )

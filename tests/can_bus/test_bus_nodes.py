@@ -235,16 +235,16 @@ def test_random_frames_end_no_node_and_move_no_motor():
 @pytest.mark.parametrize(
     ("kind", "values", "said"),
     [
-        (InverterNode, {"bus.interface": "carrier_pigeon"}, "'carrier_pigeon' is refused, allowed is one of virtual"),
+        (InverterNode, {"bus.interface": "carrier_pigeon"}, "'carrier_pigeon' is refused, expected one of virtual"),
         (
             InverterNode,
             {"bus.interface": "socketcan", "bus.channel_11": "can77"},
             "CAN interface socketcan, channel can77",
         ),
         (InverterNode, {"bus.interface": "virtual", "bus.database": "none.dbc"}, "none.dbc: No such file or directory"),
-        (InverterNode, {"inject.drive_11": ["fire"]}, "'fire' is refused, allowed is one of trip"),
+        (InverterNode, {"inject.drive_11": ["fire"]}, "'fire' is refused, expected one of trip"),
         (InverterGatewayNode, {"bus.interface": "virtual", "bus.log": "x.txt"}, "'x.txt' is refused"),
-        (InverterGatewayNode, {"torque_limit": -1.0}, "torque_limit: -1.0 is refused, allowed is 0 to 1000 N m"),
+        (InverterGatewayNode, {"torque_limit": -1.0}, "torque_limit: -1.0 is refused, expected 0 to 1000 N m"),
         (InverterGatewayNode, {"speed": 1.0}, "unknown parameter 'speed'; did you mean speed_limit?"),
     ],
 )

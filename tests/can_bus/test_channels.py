@@ -360,11 +360,11 @@ def test_datagrams_that_are_no_frames_do_no_harm():
     [
         ("socketcan", "can77", "CAN interface socketcan, channel can77: "),  # no such device, or no CAN in this kernel
         ("socketcand", "can11@127.0.0.1:1", "channel can11@127.0.0.1:1: Connection refused"),
-        ("socketcand", "can11@192.0.2.7:1", "host '192.0.2.7' is refused, allowed is 127.0.0.1 unless bus.address is"),
+        ("socketcand", "can11@192.0.2.7:1", "host '192.0.2.7' is refused, expected 127.0.0.1 unless bus.address is"),
         ("socketcand", "can11", "channel can11: is not of the form NAME@HOST:PORT"),
         ("udp_multicast", "10.0.0.1:28111", "channel 10.0.0.1:28111: 10.0.0.1 is no multicast address"),
         ("udp_multicast", "239.192.11.11", "is not of the form GROUP:PORT"),
-        ("udp_multicast", "239.192.11.11:99999", "port '99999' is refused, allowed is 1 to 65535"),
+        ("udp_multicast", "239.192.11.11:99999", "port '99999' is refused, expected 1 to 65535"),
         ("udp_multicast", "bus:28111", "Expected 4 octets in 'bus'"),
     ],
 )
@@ -409,14 +409,14 @@ def test_a_log_holds_what_was_sent_and_received_once(tmp_path: Path, suffix: str
 
 
 def test_logs_that_cannot_be_written_are_refused(tmp_path: Path):
-    with pytest.raises(ValueError, match=r"'bus.txt' is refused, allowed are files ending with .log, .blf, .mf4"):
+    with pytest.raises(ValueError, match=r"'bus.txt' is refused, expected files ending with .log, .blf, .mf4"):
         bus_log("bus.txt")
     with pytest.raises(ValueError, match="No such file or directory"):
         bus_log(str(tmp_path / "none" / "bus.log"))
     (tmp_path / "victim.log").write_text("precious")
     (tmp_path / "link.log").symlink_to(tmp_path / "none.log")
     for name in ("victim.log", "link.log"):
-        with pytest.raises(ValueError, match=r"is refused, allowed is a file that is not there yet"):
+        with pytest.raises(ValueError, match=r"is refused, expected a file that is not there yet"):
             bus_log(str(tmp_path / name))
     assert (tmp_path / "victim.log").read_text() == "precious"
 

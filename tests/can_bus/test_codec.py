@@ -62,7 +62,7 @@ def test_byte_order_is_intel():
 
 def test_what_is_no_number_is_refused_with_its_place():
     frame = ours()["Drive11_SetPoint"]
-    with pytest.raises(ValueError, match=r"Drive11_SetPoint: Torque is nan, allowed is -1000 to 1000"):
+    with pytest.raises(ValueError, match=r"Drive11_SetPoint: Torque is nan, expected -1000 to 1000"):
         frame.pack(dict.fromkeys(frame.signals, 0.0) | {"Torque": math.nan}, 0)
 
 
@@ -109,7 +109,7 @@ def test_whatever_a_database_says_a_number_saturates_and_never_wraps(length, is_
 
 def test_a_counter_that_would_run_into_the_next_signal_is_refused():
     frame = ours()["Drive11_SetPoint"]
-    with pytest.raises(ValueError, match="Drive11_SetPoint: counter 16 is refused, allowed is 0 to 14"):
+    with pytest.raises(ValueError, match="Drive11_SetPoint: counter 16 is refused, expected 0 to 14"):
         frame.pack(dict.fromkeys(frame.signals, 0.0), 16)
 
 

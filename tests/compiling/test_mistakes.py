@@ -75,14 +75,14 @@ MISTAKES = {
     "no such name": (first_wheel("fl * nothing"), "name 'nothing' is not defined"),
     "a dictionary": (
         first_wheel('fl * table["a"]'),
-        "table is of type dict, allowed are numbers, tuples and functions",
+        "table is of type dict, expected numbers, tuples and functions",
     ),
-    "a list of the module": (f"counter[0] += 1; {first_wheel('fl * counter[0]')}", "counter is a list, allowed are"),
+    "a list of the module": (f"counter[0] += 1; {first_wheel('fl * counter[0]')}", "counter is a list, expected"),
     "an object": (first_wheel("fl * k.x"), "x is not known here"),
-    "a text": (first_wheel('len(f"{fl:.2f}")'), "a text is made, allowed are numbers"),
+    "a text": (first_wheel('len(f"{fl:.2f}")'), "a text is made, expected numbers"),
     "too few arguments": (first_wheel("max()"), "max expected at least 1 argument, got 0"),
-    "no answer": ("s.x = fl", "it returns NoneType, allowed is WheelTorqueCommand"),
-    "another answer": ("return fl", "it returns float, allowed is WheelTorqueCommand"),
+    "no answer": ("s.x = fl", "it returns NoneType, expected WheelTorqueCommand"),
+    "another answer": ("return fl", "it returns float, expected WheelTorqueCommand"),
     "no end": (f"while True:\n        fl = 0.5 * fl\n    {first_wheel('fl')}", "the loop never ends, give it a bound"),
     "recursion": ("return mine(p, car, s, request)", "mine calls itself, write a loop"),
     "a caught exception": (
@@ -99,27 +99,27 @@ MISTAKES = {
     ),
     "a choice by its text": (
         first_wheel('fl if p.kind == "sport" else 0.0'),
-        "a number is compared with a text, allowed is the place of a choice",
+        "a number is compared with a text, expected the place of a choice",
     ),
-    "a text made of a number": (first_wheel("float(str(fl))"), "str makes a text, allowed are numbers"),
+    "a text made of a number": (first_wheel("float(str(fl))"), "str makes a text, expected numbers"),
     "a parameter that is written": (f"p.share = 1.0; {first_wheel('fl')}", "p.share is written, p is only read: what"),
     "an input that is written": (
         "request.drive.front_left = 0.0; return WheelTorqueCommand(request.drive, request.brake)",
         "request.drive.front_left is written, request is only read: make a new signal",
     ),
     "an entry by its text": (f's["x"] = fl; {first_wheel("fl")}', 's["x"] is not known, write s.x'),
-    "no number in the state": (f"s.x = request.drive; {first_wheel('fl')}", "s.x becomes Wheels, allowed is a number"),
+    "no number in the state": (f"s.x = request.drive; {first_wheel('fl')}", "s.x becomes Wheels, expected a number"),
     "another signal": (
         "return WheelTorqueRequest(request.drive, request.brake)",
-        "it returns WheelTorqueRequest, allowed is WheelTorqueCommand",
+        "it returns WheelTorqueRequest, expected WheelTorqueCommand",
     ),
     "a list for wheels": (
         "return WheelTorqueCommand([fl, fr, rl, rr], request.brake)",
-        "drive of its WheelTorqueCommand is list, allowed is Wheels: Wheels(a, b, c, d)",
+        "drive of its WheelTorqueCommand is list, expected Wheels: Wheels(a, b, c, d)",
     ),
     "a sum of wheels": (
         "return WheelTorqueCommand(request.drive + request.brake, request.brake)",
-        "drive of its WheelTorqueCommand is tuple, allowed is Wheels",
+        "drive of its WheelTorqueCommand is tuple, expected Wheels",
     ),
     "a default that remembers": (
         first_wheel("remembered(fl)"),
@@ -236,7 +236,7 @@ DECLARATIONS = {
     "a default out of range": (
         "0.5, unit",
         "1.5, unit",
-        "the default of parameter share: 1.5 is refused, allowed is 0 to 1",
+        "the default of parameter share: 1.5 is refused, expected 0 to 1",
     ),
     "a plain number as parameter": (
         'parameter(0.5, unit="1", low=0.0, high=1.0, about="of the requested torques")',
@@ -246,14 +246,14 @@ DECLARATIONS = {
     "parameters without dataclass": (
         "@dataclass(frozen=True, slots=True)\n",
         "",
-        "parameters are class P, allowed is a",
+        "parameters are class P, expected a",
     ),
     "one wish without a tuple": (
         "state=S",
         "state=S, needs=FRONT_WHEELS_DRIVEN",
         "needs= is no tuple, write needs=(...,)",
     ),
-    "an object as state": ("state=S", "state=S()", "state=S(x=0.0) is refused, allowed is a class marked @dataclass"),
+    "an object as state": ("state=S", "state=S()", "state=S(x=0.0) is refused, expected a class marked @dataclass"),
     "no start value": (
         ' = entry(unit="1", about="a number")',
         "",
@@ -262,7 +262,7 @@ DECLARATIONS = {
     "a text in the state": (
         'entry(unit="1", about="a number")',
         "'on'",
-        "S.x begins as str, allowed is a number: entry(",
+        "S.x begins as str, expected a number: entry(",
     ),
     "another word": ("state=S", "sate=S", "unknown argument 'sate'; did you mean state"),
     "state that nobody declares": (", state=S", "", "s is asked for and not made, declare state="),
@@ -271,7 +271,7 @@ DECLARATIONS = {
     "a word of one's own": (
         "(p, s,",
         "(params, s,",
-        "params is not known, allowed are p, car, c, s, period and signals",
+        "params is not known, expected p, car, c, s, period and signals",
     ),
     "signals first": (
         "p, s, request: WheelTorqueRequest",

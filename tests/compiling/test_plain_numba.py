@@ -42,7 +42,7 @@ def test_a_graph_that_is_compiled_in_the_plain_way_has_the_same_signal_hash(tmp_
 def test_a_touch_that_is_none_is_refused_in_one_line(monkeypatch: pytest.MonkeyPatch):
     inside_numba.switched_off.cache_clear()
     monkeypatch.setenv(inside_numba.VARIABLE, "stack, stak")
-    with pytest.raises(ParameterError, match="EV_STACK_PLAIN_NUMBA: 'stak' is refused, allowed is all, or some of"):
+    with pytest.raises(ParameterError, match="EV_STACK_PLAIN_NUMBA: 'stak' is refused, expected all, or some of"):
         inside_numba.switched_off()
 
 

@@ -98,7 +98,7 @@ def test_what_belongs_to_another_user_is_refused(tmp_path, monkeypatch, whose):
         return os.stat_result((*real[:4], other, *real[5:])) if path == theirs else real
 
     monkeypatch.setattr(Path, "lstat", lstat)
-    with pytest.raises(ParameterError, match=rf"{theirs} belongs to user {other}; allowed is a folder of your own"):
+    with pytest.raises(ParameterError, match=rf"{theirs} belongs to user {other}; expected a folder of your own"):
         folder(monkeypatch, EV_STACK_CACHE=tmp_path / "link")
 
 

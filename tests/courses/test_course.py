@@ -113,7 +113,7 @@ def test_a_straight_is_driven_by_torque_then_power_then_brakes():
     ("text", "line"),
     [
         ("x_m,y_m,left_m\n0,0,1\n", "no header with the columns x_m, y_m, one of left_m and w_tr_left_m"),
-        ("x_m,y_m,left_m,right_m\n0,0,3,3\n5,0,3,3\n", "2 points are no course, allowed are 12 to 5000"),
+        ("x_m,y_m,left_m,right_m\n0,0,3,3\n5,0,3,3\n", "2 points are no course, expected 12 to 5000"),
         ("x_m,y_m,left_m,right_m\n0,zero,3,3\n", "line 2: y_m is no finite number"),
         ("", "no header with the columns"),
     ],
@@ -131,7 +131,7 @@ def test_a_bad_file_is_one_line(tmp_path: Path, text: str, line: str):
     [
         ({7: "0.0,0.0,3,3"}, "point 8 is "),
         ({7: "1e300,0.0,3,3"}, "parameter x: "),
-        ({7: "31.0,41.0,-1,3"}, "point 8: a width of -1 m is refused, allowed is 0 or more"),
+        ({7: "31.0,41.0,-1,3"}, "point 8: a width of -1 m is refused, expected 0 or more"),
         (dict.fromkeys(range(20, 40), ""), "the first one, with which it closes, is "),
         (dict.fromkeys(range(40)), "edge runs backwards, the road is wider than its bend has room for"),
     ],
@@ -150,7 +150,7 @@ def test_points_that_are_no_course_are_one_line(tmp_path: Path, spoilt: dict[int
 
 def test_a_road_narrower_than_the_car_is_refused():
     narrow = build(CourseParameters, {"width": [2.0] * 24})
-    with pytest.raises(ParameterError, match=r"course: the road is 2 m wide at point 1, allowed is more than 2\.33 m"):
+    with pytest.raises(ParameterError, match=r"course: the road is 2 m wide at point 1, expected more than 2\.33 m"):
         racing_line(narrow, TRACK)
 
 

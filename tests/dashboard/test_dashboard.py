@@ -128,12 +128,12 @@ def test_a_slider_sets_the_parameter_of_the_node(page):
     [
         (set_to("-5"), "electronic_differential refuses: Parameter gamma out of range Min: 0.0, Max: 50.0"),
         (set_to("nan"), "nan"),
-        (set_to("much"), "electronic_differential.gamma: 'much' is refused, allowed is double"),
+        (set_to("much"), "electronic_differential.gamma: 'much' is refused, expected double"),
         (set_to("1", name="delta"), "electronic_differential.delta is refused: no such parameter in this graph"),
-        ({"kind": "time", "service": "stop"}, "service 'stop' is refused, allowed is pause, resume, step, reset"),
-        ({"kind": "drive"}, "wish 'drive' is refused, allowed is set or time"),
+        ({"kind": "time", "service": "stop"}, "service 'stop' is refused, expected pause, resume, step, reset"),
+        ({"kind": "drive"}, "wish 'drive' is refused, expected set or time"),
         ({"kind": "set"}, "a wish of a page is refused: KeyError('node')"),
-        ([], "a wish of a page is refused, allowed is an object"),
+        ([], "a wish of a page is refused, expected an object"),
     ],
 )
 def test_a_refusal_is_one_line_and_changes_nothing(page, wish, said):

@@ -148,9 +148,9 @@ def test_whatever_comes_over_the_socket_is_answered_by_one_line(page, text):
     [
         ("faults", "[]", f"{NODE}.faults = []"),
         ("faults", "[offset torque_command 1]", f"{NODE}.faults = ['offset torque_command 1']"),
-        ("faults", "none", f"{NODE}.faults: 'none' is refused, allowed is an array in brackets, [] for an empty one"),
-        ("seed", "1e30", f"{NODE}.seed: '1e30' is refused, allowed is integer"),
-        ("vehicle.mass", "a: b: c", f"{NODE}.vehicle.mass: 'a: b: c' is refused, allowed is double"),
+        ("faults", "none", f"{NODE}.faults: 'none' is refused, expected an array in brackets, [] for an empty one"),
+        ("seed", "1e30", f"{NODE}.seed: '1e30' is refused, expected integer"),
+        ("vehicle.mass", "a: b: c", f"{NODE}.vehicle.mass: 'a: b: c' is refused, expected double"),
     ],
 )
 def test_what_the_line_says(page, name, value, said):

@@ -147,7 +147,7 @@ def test_a_method_in_plain_python_is_refused(tmp_path):
     ("words", "line"),
     [
         ((*LAW, "--target", "pdp11"), "unknown target 'pdp11'"),
-        (("export", "shchur2019", "--target", "thumbv7em"), "allowed are roles that answer"),
+        (("export", "shchur2019", "--target", "thumbv7em"), "expected roles that answer"),
         ((*LAW, *LINUX, "--name", "2fast"), "name '2fast' is refused"),
         (("export", "shchur2019", *LINUX, "--only", "pilot"), "unknown role 'pilot'"),
         (

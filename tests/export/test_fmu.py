@@ -393,8 +393,8 @@ def test_units_are_those_of_si(unit, base):
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (["--out", "9.fmu"], "error: name '9' is refused, allowed is one of a function in C"),
-        (["--out", "a.zip"], "error: a.zip is refused, allowed is NAME.fmu"),
+        (["--out", "9.fmu"], "error: name '9' is refused, expected one of a function in C"),
+        (["--out", "a.zip"], "error: a.zip is refused, expected NAME.fmu"),
         (["--only", "brakes"], "error: unknown role 'brakes'; known: "),
         (["--target", "thumbv7em"], "error: unknown target of an FMU 'thumbv7em'; known: "),
     ],

@@ -84,10 +84,10 @@ def test_a_law_of_each_source_leaves_the_signals_as_they_are(scenario, name, rol
 @pytest.mark.parametrize(
     ("faults", "role", "where", "line"),
     [
-        ((), "plant", "arm", "plant is refused, allowed are roles that answer"),
+        ((), "plant", "arm", "plant is refused, expected roles that answer"),
         ((), "driver", "'un", 'processor "\'un" is refused: no closing quotation'),
-        ((), "driver", " ", "processor ' ' is refused, allowed is the command of a program"),
-        ((), "driver", "''", "processor \"''\" is refused, allowed is the command of a program"),
+        ((), "driver", " ", "processor ' ' is refused, expected the command of a program"),
+        ((), "driver", "''", "processor \"''\" is refused, expected the command of a program"),
         ((), "pilot", "arm", "unknown role 'pilot'"),
         (("restarted driver.command from 0.1 until 0.2",), "driver", "arm", "has a fault `restarted`"),
     ],

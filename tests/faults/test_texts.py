@@ -22,23 +22,23 @@ def test_a_text_in_full():
 
 
 REFUSED = {
-    "motor_share": "allowed is KIND WHERE",
+    "motor_share": "expected KIND WHERE",
     "motr_share all 0": "did you mean motor_share",
     "motor_share all": "lacks its value, 0 to 1",
-    "motor_share all 2": "2 is refused, allowed is 0 to 1",
+    "motor_share all 2": "2 is refused, expected 0 to 1",
     "motor_share all nan": "nan is refused",
-    "motor_share middle 0": "middle is refused, allowed is front_left",
+    "motor_share middle 0": "middle is refused, expected front_left",
     "motor_share rear 0": "needs a motor there, of front_left, front_right",
     "motor_stuck all from 3 until 2": "ends at 2 s",
-    "motor_stuck all at 3": "allowed is KIND WHERE",
+    "motor_stuck all at 3": "expected KIND WHERE",
     "frozen wheel_stats": "did you mean wheel_states",
     "swapped wheel_states.velocity": "names 4 numbers",
-    "tilted pose.x 0.1": "allowed are accelerations",
+    "tilted pose.x 0.1": "expected accelerations",
     "restarted imu": "is a thing and no program",
     "frozen imu from 0.301 until 0.309": "strikes at no instant",
     "motor_share all 0 from 0.301 until 0.309": "strikes at no instant",
     "hall_stuck all": "needs drive ideal",
-    "battery_share all 0": "allowed is battery",
+    "battery_share all 0": "expected battery",
     "inverter_delay all 0.5001": "0.5001 is refused",
 }
 
@@ -53,7 +53,7 @@ def test_refused_in_one_line(text):
 
 
 def test_a_plant_without_faults_of_the_car_says_so():
-    with pytest.raises(ParameterError, match="is refused at this plant, allowed are constant"):
+    with pytest.raises(ParameterError, match="is refused at this plant, expected constant"):
         configure("plant", {"method": "kinematic", "faults": ["motor_share all 0"]})
     with pytest.raises(ParameterError, match="unknown number of this node 'wheel_states'"):
         configure("driver", {"faults": ["frozen wheel_states"]})

@@ -143,11 +143,11 @@ def test_a_batch_is_the_runs_one_by_one():
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"set": {"gamma": 1.0}}, "set: 'gamma' is refused, allowed is NODE.PARAMETER"),
+        ({"set": {"gamma": 1.0}}, "set: 'gamma' is refused, expected NODE.PARAMETER"),
         ({"method": {"asr": "on"}}, "asr: unknown asr method 'on'; known: "),
         ({"vehicle": "audi_a3"}, "unknown vehicle 'audi_a3'; did you mean audi_a2?"),
-        ({"duration": "5"}, "duration: '5' is refused, allowed is a number of seconds or such as '5 s'"),
-        ({"duration": [5.0]}, "duration: [5.0] is refused, allowed is a number of seconds or such as '5 s'"),
+        ({"duration": "5"}, "duration: '5' is refused, expected a number of seconds or such as '5 s'"),
+        ({"duration": [5.0]}, "duration: [5.0] is refused, expected a number of seconds or such as '5 s'"),
         ({"runs": ("first",)}, "unknown run of shchur2019 'first'; known: shchur2019"),
     ],
 )

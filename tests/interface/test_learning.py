@@ -208,7 +208,7 @@ def test_an_action_of_another_shape_is_refused_and_nothing_is_done(action):
     with pytest.raises(ParameterError) as error:
         environment.step(np.array(action))
     channels = "torque_request.drive.front_left, torque_request.drive.front_right"
-    assert str(error.value) == f"action of shape {np.shape(action)} is refused, allowed is (2,), of {channels}"
+    assert str(error.value) == f"action of shape {np.shape(action)} is refused, expected (2,), of {channels}"
     assert environment.simulation.time == 0.0
 
 

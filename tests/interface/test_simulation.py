@@ -155,7 +155,7 @@ def test_any_configuration_goes_on_from_any_instant_with_the_same_bits(
     [
         (
             {"method": {"electronic_differential": "equal_torque"}},
-            "state: electronic_differential.method was 'equal_torque', here it is 'power_steering'; allowed is the",
+            "state: electronic_differential.method was 'equal_torque', here it is 'power_steering'; expected the",
         ),
         ({"without": ("asr",)}, "state: roles was "),
         ({"set": {**NOISE, "*.control_period": 0.02}}, "state: control period [ns] was 20000000, here it is 10000000"),
@@ -178,12 +178,12 @@ def test_a_state_of_other_sizes_or_of_something_else_is_refused():
     car = simulation(record=False)
     saved = car.state
     short = {**saved.parts, "asr": tuple(np.zeros(np.size(each) + 1) for each in saved.parts["asr"])}
-    with pytest.raises(ParameterError, match=r"^state: asr had \d+ numbers, here it has \d+; allowed is as many"):
+    with pytest.raises(ParameterError, match=r"^state: asr had \d+ numbers, here it has \d+; expected as many"):
         car.state = replace(saved, parts=short)
     older = {**saved.of, "numbers": 7}
     with pytest.raises(ParameterError, match="state: numbers was 7, here it is"):
         car.state = replace(saved, of=older, frame=np.zeros(7))
-    with pytest.raises(ParameterError, match="allowed is the state of a Simulation"):
+    with pytest.raises(ParameterError, match="expected the state of a Simulation"):
         car.state = {"instant": 3}
 
 
@@ -234,7 +234,7 @@ def test_a_configured_run_is_driven_as_it_is(changed):
     """What differs has been said when it was configured; it was left out without a word."""
     run = only_run("shchur2019_steps", "object", overrides(duration=0.1))
     assert ev_sim.Simulation(run).duration == 0.1
-    with pytest.raises(ParameterError, match=r"^run object is configured already, allowed is a name or path with"):
+    with pytest.raises(ParameterError, match=r"^run object is configured already, expected a name or path with"):
         ev_sim.Simulation(run, **changed)
 
 

@@ -17,7 +17,7 @@ from ev_msgs_py.refusal import ParameterError
 
 
 def test_relations_of_parameters_are_checked():
-    with pytest.raises(ParameterError, match=r"backstop is 0\.05, allowed is at least least_slip and first_slip"):
+    with pytest.raises(ParameterError, match=r"backstop is 0\.05, expected at least least_slip and first_slip"):
         LeastSquaresParameters(backstop=0.05)
 
 

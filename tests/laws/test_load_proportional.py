@@ -57,5 +57,5 @@ def test_no_wheel_works_against_the_others(torque, resistance, along, across, dr
 
 
 def test_resistance_needs_one_number_for_each_wheel():
-    with pytest.raises(ParameterError, match="rolling_resistance has 2 elements, allowed is one for each wheel, four"):
+    with pytest.raises(ParameterError, match="rolling_resistance has 2 elements, expected one for each wheel, four"):
         Differential(LAW, DISSERTATION, rolling_resistance=(1.0, 1.0))

@@ -20,7 +20,7 @@ def at_slip(slip: float) -> float:
 
 
 def test_relations_of_parameters_are_checked():
-    with pytest.raises(ParameterError, match=r"low is 0\.2, allowed is at most high, 0\.19"):
+    with pytest.raises(ParameterError, match=r"low is 0\.2, expected at most high, 0\.19"):
         SlipWindowParameters(low=0.2)
 
 

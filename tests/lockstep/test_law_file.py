@@ -87,7 +87,7 @@ def test_one_of_several_is_named_behind_the_path():
         ParameterError, match=r"several laws: limit_in_python, limit_compiled; choose one by own_law\.py:"
     ):
         find_method("asr", str(file))
-    with pytest.raises(ParameterError, match="no law 'limit', allowed is one of limit_in_python, limit_compiled"):
+    with pytest.raises(ParameterError, match="no law 'limit', expected one of limit_in_python, limit_compiled"):
         find_method("asr", f"{file}:limit")
     hashes = {driven(f"{file}:{name}").hash for name in ("limit_in_python", "limit_compiled")}
     assert len(hashes) == 1

@@ -41,7 +41,7 @@ def test_two_packages_do_not_share_a_name(offer):
     assert report_for("coast_down")
     assert offered_module(GROUP, "report", "coast_down").__name__ == "ev_sim.manoeuvres.coast_down"
     offer("coast_down", "somebody.report")
-    said = r"^ev_stack\.reports 'coast_down' is offered by ev_sim\S+ and by somebody\.report, allowed is one$"
+    said = r"^ev_stack\.reports 'coast_down' is offered by ev_sim\S+ and by somebody\.report, expected one$"
     with pytest.raises(ParameterError, match=said):
         report_for("coast_down")
 

@@ -105,7 +105,7 @@ def test_a_car_is_identified_from_a_bag_that_knows_no_lateral_velocity(tmp_path,
 @pytest.mark.parametrize(
     ("topics", "message"),
     [
-        (("/imu", "/odom"), "has no steering_column.state.road_wheel_angle, allowed are .*Ackermann"),
+        (("/imu", "/odom"), "has no steering_column.state.road_wheel_angle, expected .*Ackermann"),
         (("/imu", "/odom", "/odom2", "/steering"), "any of /odom:.*, /odom2:.*: a mapping chooses"),
     ],
 )

@@ -158,7 +158,7 @@ def test_a_free_parameter_that_cannot_be_free_is_refused(name, message):
 
 
 def test_a_group_that_the_tyres_do_not_have_is_refused_with_the_one_that_they_have():
-    message = "front_mf, allowed is a car with tyres of curve mf_tyre; of others the group curve$"
+    message = "front_mf, expected a car with tyres of curve mf_tyre; of others the group curve$"
     with pytest.raises(ParameterError, match=message):
         free_parameters(["tyres"], graph("audi_a2", 0.01, Overrides()))
     assert len(free_parameters(["curve"], graph("audi_a2", 0.01, Overrides()))) == 3

@@ -52,7 +52,7 @@ def test_the_losses_of_a_map_come_back(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("change", "message"),
-    [(("torque_nm", "torque"), "unknown column"), (("500.0,30.0,", "-500.0,30.0,"), "allowed are speed and torque")],
+    [(("torque_nm", "torque"), "unknown column"), (("500.0,30.0,", "-500.0,30.0,"), "expected speed and torque")],
 )
 def test_what_is_no_map_is_refused(tmp_path, change, message):
     with pytest.raises(ValueError, match=message):

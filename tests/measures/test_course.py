@@ -94,11 +94,11 @@ def test_a_scenario_without_a_course_gets_no_foreign_cones(tmp_path):
 @pytest.mark.parametrize(
     ("lanes", "said"),
     [
-        ({"begin": (0.0, 20.0), "end": (10.0,)}, "end has 1 values, allowed are 2 as begin has"),
-        ({"begin": (0.0,), "end": (10.0,), "gap": (0.0, 1.0)}, "gap has 2 values, allowed are 1 as begin has"),
+        ({"begin": (0.0, 20.0), "end": (10.0,)}, "end has 1 values, expected 2 as begin has"),
+        ({"begin": (0.0,), "end": (10.0,), "gap": (0.0, 1.0)}, "gap has 2 values, expected 1 as begin has"),
         ({"begin": (0.0, 5.0), "end": (10.0, 20.0), "width_margin": (1.0, 1.0)}, "begin and end do not rise, "),
         ({"begin": (0.0,), "end": (0.0,), "width_margin": (1.0,)}, "begin and end do not rise, "),
-        ({"begin": (0.0,), "end": (10.0,)}, "a lane has no width, allowed is "),
+        ({"begin": (0.0,), "end": (10.0,)}, "a lane has no width, expected "),
     ],
 )
 def test_lanes_that_make_no_sense_are_refused(lanes, said):

@@ -60,7 +60,7 @@ def measured(expression: str) -> Metric:
 )
 def test_an_expression_is_what_it_says(expression, value):
     if value is None:
-        with pytest.raises(ParameterError, match="it has a value at each sample, allowed is one number"):
+        with pytest.raises(ParameterError, match="it has a value at each sample, expected one number"):
             measured(expression)
     else:
         assert measured(expression).value == pytest.approx(value, rel=1e-14)
@@ -99,14 +99,14 @@ def test_what_has_no_value_says_why(expression, why):
         ("x [1] = mean(imu.yaw_rate, axis=0)", "mean takes values only"),
         ("x [1] = hypot(pose.x)", "hypot takes 2 values, here are 1"),
         ("x [1] = mean(1)", "mean is of a channel, '1' is one number"),
-        ("x [1] = pose.x[0]", "allowed is CHANNEL[condition]"),
-        ("x [1] = mean(pose.x[time > 1] * pose.y[time > 1])", "allowed is (A * B)[condition]"),
+        ("x [1] = pose.x[0]", "expected CHANNEL[condition]"),
+        ("x [1] = mean(pose.x[time > 1] * pose.y[time > 1])", "expected (A * B)[condition]"),
         ("x [1] = mean(pose.x & pose.y)", "join conditions"),
         ("x [1] = mean(where(pose.x, 1, 0))", "where is where(condition, A, B)"),
         ("x [1] = 1 +", "no expression: invalid syntax"),
-        ("x [1] = " + "-" * 400 + "1", "it has too many parts, allowed are 200"),
+        ("x [1] = " + "-" * 400 + "1", "it has too many parts, expected 200"),
         ("x [1] = " + "(" * 250 + "1" + ")" * 240, "no expression: "),
-        ("x [1] = " + "1+" * 300 + "1", "it has 601 characters, allowed are 500"),
+        ("x [1] = " + "1+" * 300 + "1", "it has 601 characters, expected 500"),
         ("x [1] = 1" + "0" * 400, "a number is too large"),
         ("x [1] = 1\0", "no expression"),
         ("x = slip_energy / 2", "its unit is missing"),
@@ -123,7 +123,7 @@ def test_what_has_no_meaning_is_one_line(text, said):
 def test_a_name_of_no_metric_asks_for_the_similar_one():
     with pytest.raises(ParameterError, match=r"^unknown metric 'yaw_rate_eror'; did you mean yaw_rate_error, p"):
         named_metric("yaw_rate_eror")
-    with pytest.raises(ParameterError, match=r"^metric 'mine' is there twice, allowed is once$"):
+    with pytest.raises(ParameterError, match=r"^metric 'mine' is there twice, expected once$"):
         named_metrics(["mine [1] = 1", "mine [1] = 2"])
 
 

@@ -101,7 +101,7 @@ def test_a_start_and_the_parameters_that_a_library_declares(refused):
     assert law.state == [5.0]
     with pytest.raises(ParameterError, match=r"^unknown parameter of asr 'limt'; did you mean limit"):
         configure("asr", {"method": library, "limt": 4.0})
-    with pytest.raises(ParameterError, match=r"^parameter limit: -1\.0 is refused, allowed is at least 0 N m$"):
+    with pytest.raises(ParameterError, match=r"^parameter limit: -1\.0 is refused, expected at least 0 N m$"):
         configure("asr", {"method": library, "limit": -1.0})
 
 
@@ -110,9 +110,9 @@ def test_a_start_and_the_parameters_that_a_library_declares(refused):
     [
         ("NEWER=1", r"asr method \S+: compiled with another ev_laws\.h: layout 0x\w+, here it is 0x\w+; make it anew "),
         ("NO_LAW", r"asr method \S+: it has no ev_asr, which a law for this role is declared by \(ev_laws\.h\)$"),
-        ('NAME="lambda"', r"asr method \S+: parameter 'lambda' is refused, allowed is a name of Python's without _ "),
+        ('NAME="lambda"', r"asr method \S+: parameter 'lambda' is refused, expected a name of Python's without _ "),
         ('NAME="seed"', r"asr method \S+: parameter seed is refused: every node has one of this name, take another$"),
-        ("TWICE", r"asr method \S+: parameter 'limit' is refused, allowed is once$"),
+        ("TWICE", r"asr method \S+: parameter 'limit' is refused, expected once$"),
         ("PARAMETERS=NULL", r"asr method \S+: it lacks the table of parameters that it declares$"),
         ("LOW=NAN", r"asr method \S+: parameter 'limit' needs a name and a finite value between its bounds$"),
     ],
@@ -127,7 +127,7 @@ def test_a_library_that_does_not_fit_is_refused_when_it_is_loaded(refused, defin
     [
         ("ANSWER=NAN", r"at 0 s: asr: WheelTorqueCommand\.drive\.front_left is nan, only finite numbers are allowed$"),
         ("BRAKE=-2.0", r"at 0 s: asr: WheelTorqueCommand\.brake\.rear_left is -2\.0, expected 0 or more$"),
-        ("STATUS=3", r"at 0\.03 s: asr: \S+: step returned 3, allowed is 0$"),
+        ("STATUS=3", r"at 0\.03 s: asr: \S+: step returned 3, expected 0$"),
     ],
 )
 def test_what_a_library_must_not_answer_ends_the_run_in_one_line(refused, define, said):
@@ -160,9 +160,7 @@ def test_a_library_is_the_file_that_is_there_now(refused, tmp_path, monkeypatch)
     (tmp_path / "4.0/law.so").replace("law.so")
     assert answer_of("law.so") == answer_of("law.so") == 4.0
     os.utime("law.so", ns=(1, 1))  # as who writes into it leaves it
-    with pytest.raises(
-        ParameterError, match=r"^asr method law\.so: it was written over while it was in use, allowed is"
-    ):
+    with pytest.raises(ParameterError, match=r"^asr method law\.so: it was written over while it was in use, expected"):
         answer_of("law.so")
 
 

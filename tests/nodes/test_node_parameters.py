@@ -122,7 +122,7 @@ REFUSED = {
 def test_what_a_start_would_refuse_beside_the_period_is_refused_live(context):
     """No torque would act any more with a command that is given up within two periods."""
     node = node_of(context, "plant", {"mode": "realtime"})
-    assert tried(node, command_timeout=0.001).startswith("parameter command_timeout: 0.001 is refused, allowed is more")
+    assert tried(node, command_timeout=0.001).startswith("parameter command_timeout: 0.001 is refused, expected more")
     assert tried(node, command_timeout=0.05) == ""
     assert node.configuration.extra.command_timeout == 0.05
     node.destroy_node()
@@ -152,7 +152,7 @@ def test_a_limit_of_real_time_is_that_of_the_start(context):
     """A plant whose command is too old in every step has no torque."""
     plant = node_of(context, "plant", {"mode": "realtime", "method": "kinematic"})
     assert tried(plant, command_timeout=0.02) == (
-        "parameter command_timeout: 0.02 is refused, allowed is more than two control periods, 0.02 s"
+        "parameter command_timeout: 0.02 is refused, expected more than two control periods, 0.02 s"
     )
     assert tried(plant, command_timeout=0.021) == ""
     plant.destroy_node()

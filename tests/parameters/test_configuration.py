@@ -161,7 +161,7 @@ def test_nodes_that_differ_in_what_they_share_are_refused(name, value, other):
     text = refused_graph(graph(asr={name: value}))
     assert text == (
         f"{name} differs between nodes: plant {other}, steering_column {other}, driver {other}, "
-        f"electronic_differential {other}, asr {value}; allowed is one for all"
+        f"electronic_differential {other}, asr {value}; expected one for all"
     )
 
 

@@ -72,7 +72,7 @@ def test_only_a_regular_file_of_bounded_size_is_read(tmp_path, kind, wrong):
     with little_memory(), pytest.raises(REFUSED) as refused:
         read(tmp_path / name)
     said = str(refused.value)
-    expected = f"{what}, allowed is a regular file of at most {most // 2**20} MB|no such bag|is no recorded run"
+    expected = f"{what}, expected a regular file of at most {most // 2**20} MB|no such bag|is no recorded run"
     assert re.search(expected, said), said
     assert str(tmp_path) in said
     assert "\n" not in said
@@ -202,6 +202,6 @@ def test_a_file_that_has_no_end_is_one_line():
     """In /proc files are regular and say that they are empty."""
     with (
         little_memory(),
-        pytest.raises(ParameterError, match=r"pagemap: it has more than it says, allowed is a regular"),
+        pytest.raises(ParameterError, match=r"pagemap: it has more than it says, expected a regular"),
     ):
         cycle_values("/proc/self/pagemap")

@@ -139,7 +139,7 @@ def refused(path: Path) -> str:
 
 def test_a_missing_file_is_named(tmp_path):
     assert refused(tmp_path / "nowhere.yaml") == "No such file or directory"
-    assert refused(tmp_path) == "it is a folder, allowed is a regular file of at most 4 MB"
+    assert refused(tmp_path) == "it is a folder, expected a regular file of at most 4 MB"
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ class Inner:
 
     def __post_init__(self) -> None:
         if self.low > self.high:
-            raise ParameterError(f"low: {self.low!r} is refused, allowed is at most high = {self.high:g}")
+            raise ParameterError(f"low: {self.low!r} is refused, expected at most high = {self.high:g}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,11 +100,9 @@ def test_what_numpy_holds_besides_is_taken_or_refused_like_the_same_of_python():
     assert (made.middle.switch, made.switches, type(made.name)) == (True, (True, False), str)
     for value in (np.float64(3.0), np.float64("nan"), np.bool_(True), np.array([1.0]), np.complex128(1), np.array("x")):
         assert refused({"gain": value}).startswith("parameter gain: ")
-    assert (
-        refused({"count": np.float64(2.0)}) == "parameter count: 2.0 is refused, allowed is a whole number, at least 1"
-    )
+    assert refused({"count": np.float64(2.0)}) == "parameter count: 2.0 is refused, expected a whole number, at least 1"
     assert refused({"points": np.zeros((2, 2))}).startswith(
-        "parameter points: [0.0, 0.0] is refused, allowed is a number"
+        "parameter points: [0.0, 0.0] is refused, expected a number"
     )
 
 
@@ -178,7 +176,7 @@ def test_a_bad_value_is_refused_with_name_value_and_what_is_allowed(name, value,
     """design.md: the message names the parameter, the value and the allowed range."""
     text = refused({name: value})
     assert text.startswith(f"parameter {name}: ")
-    assert text.endswith(f"is refused, allowed is {allowed}")
+    assert text.endswith(f"is refused, expected {allowed}")
     culprit = value[-1] if isinstance(value, list) and "array" not in allowed and name != "gain" else value
     assert quoted(culprit) in text
 
@@ -195,7 +193,7 @@ def test_both_ends_of_a_range_are_allowed_and_nothing_beyond(value):
 def test_a_relation_is_checked_after_all_values_and_names_the_full_parameter():
     """Both limits may move at once, though each alone would be refused."""
     assert build(Outer, {"middle.inner.low": 8, "middle.inner.high": 9}).middle.inner == Inner(8.0, 9.0)
-    assert refused({"middle.inner.low": 8}) == "middle.inner.low: 8.0 is refused, allowed is at most high = 5"
+    assert refused({"middle.inner.low": 8}) == "middle.inner.low: 8.0 is refused, expected at most high = 5"
 
 
 @pytest.mark.parametrize("name", ["gian", "middle", "middle.inner", "middle.inner.low.x", "", "Gain"])

@@ -109,7 +109,7 @@ def test_a_command_is_not_given_up_within_two_periods(timeout, period):
     """In real time: it was refused at the start and accepted live, and no torque acted any more."""
     clock = {"mode": "realtime", "control_period": period}
     allowed = f"more than two control periods, {2 * period:g} s"
-    said = f"^parameter command_timeout: {timeout:g} is refused, allowed is {allowed}$"
+    said = f"^parameter command_timeout: {timeout:g} is refused, expected {allowed}$"
     with pytest.raises(ParameterError, match=said):
         configure(MASTER, {**clock, "command_timeout": timeout}, MasterParameters)
     with pytest.raises(ParameterError, match=said):

@@ -52,11 +52,9 @@ def test_units_are_read_where_values_are_given():
     assert found["driver"].parameters.speed_profile.speed == (5.0,)
     with pytest.raises(ParameterError) as error:
         build(Vehicle, {"mass": "1400 lb"})
-    said = (
-        "parameter mass: '1400 lb' is refused, allowed is a number, 50 to 60000 kg, or a text of a number and one of "
-    )
+    said = "parameter mass: '1400 lb' is refused, expected a number, 50 to 60000 kg, or a text of a number and one of "
     assert str(error.value) == f"{said}kg, t, g"
-    with pytest.raises(ParameterError, match=r"^parameter mass: 0.02 is refused, allowed is 50 to 60000 kg$"):
+    with pytest.raises(ParameterError, match=r"^parameter mass: 0.02 is refused, expected 50 to 60000 kg$"):
         build(Vehicle, {"mass": "20 g"})
 
 

@@ -84,7 +84,7 @@ def test_hold_between_two_falls_is_no_traction_and_a_step_does_not_fall():
 
 
 def test_bad_windows_are_refused():
-    with pytest.raises(ParameterError, match="begin and mode have 1 and 0 elements, allowed is the same number"):
+    with pytest.raises(ParameterError, match="begin and mode have 1 and 0 elements, expected the same number"):
         CycleModesParameters(begin=(0.0,))
-    with pytest.raises(ParameterError, match="begin: 1 s after 1 s is refused, allowed is increasing time"):
+    with pytest.raises(ParameterError, match="begin: 1 s after 1 s is refused, expected increasing time"):
         CycleModesParameters(begin=(1.0, 1.0), mode=("stop", "regen"))

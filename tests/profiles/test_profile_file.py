@@ -38,12 +38,12 @@ def test_without_a_file_nothing_is_read():
         ("t_s;v_kmh\n0;0,0\n", "line 1: columns are separated by ';', expected ',', and a point in decimals"),
         ("t_s,v_mps,grade\n0,0,0\n1,1,0.06\n", "line 1: column grade is not read, expected zeros in it"),
         ("t_s,v_mps\n", "time and speed have 0 and 0 elements"),
-        ("t_s,v_mps\n0,0\n2,1\n1,2\n", "time: 1 s after 2 s is refused, allowed is increasing time"),
+        ("t_s,v_mps\n0,0\n2,1\n1,2\n", "time: 1 s after 2 s is refused, expected increasing time"),
         ("t_s,v_mps\n0,0\n1,nan\n", "line 3: v_mps is no finite number"),
         ("t_s,v_mps\n0,0\ninf,1\n", "line 3: t_s is no finite number"),
         ("t_s,v_mps\n0,fast\n", "line 2: v_mps is no finite number"),
         ("t_s,v_mps\n0\n", "line 2: v_mps is no finite number"),
-        ("t_s,v_kmh\n0,3600\n", "speed: 1000.0 is refused, allowed is -100 to 100 m/s"),
+        ("t_s,v_kmh\n0,3600\n", "speed: 1000.0 is refused, expected -100 to 100 m/s"),
     ],
 )
 def test_bad_profile_files_are_refused_in_one_line(tmp_path, text, message):

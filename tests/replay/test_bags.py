@@ -69,9 +69,9 @@ def test_a_part_of_a_graph_is_replayed_from_any_namespace_and_start(turn: Path, 
 @pytest.mark.parametrize(
     ("stamps", "said"),
     [
-        ([*STEPS, *STEPS], "wheel_states goes back from 0.19 s to 0 s, allowed is a bag of one run"),
-        ([*STEPS, 201_000_000], "wheel_states at 0.201 s, allowed are multiples of 0.01 s from 0 s on"),
-        ([0], "holds 1 whole instants of a run, allowed are two or more"),
+        ([*STEPS, *STEPS], "wheel_states goes back from 0.19 s to 0 s, expected a bag of one run"),
+        ([*STEPS, 201_000_000], "wheel_states at 0.201 s, expected multiples of 0.01 s from 0 s on"),
+        ([0], "holds 1 whole instants of a run, expected two or more"),
     ],
 )
 def test_a_bag_that_is_no_single_run_in_steps_is_one_line(stamps, said, turn: Path, tmp_path: Path):

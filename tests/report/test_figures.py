@@ -128,7 +128,7 @@ def test_figures_for_print_are_as_wide_as_wanted_with_letters_as_letters(tmp_pat
 def test_another_format_is_refused(capsys: pytest.CaptureFixture[str]):
     with pytest.raises(SystemExit):
         arguments(["shchur2019", "--figures", "eps"])
-    assert "'eps' is refused, allowed is pdf, svg or pdf,svg" in capsys.readouterr().err
+    assert "'eps' is refused, expected pdf, svg or pdf,svg" in capsys.readouterr().err
     assert arguments(["shchur2019", "--figures", "svg,pdf"]).figures == ("svg", "pdf")
 
 

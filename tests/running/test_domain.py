@@ -116,7 +116,7 @@ def test_a_link_in_the_place_of_a_lock_is_not_followed(tmp_path):
 def test_what_is_no_domain_is_refused(given, monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", given)
     with (
-        pytest.raises(RunFailed, match=f"^ROS_DOMAIN_ID={given} is refused, allowed is a whole number from 0"),
+        pytest.raises(RunFailed, match=f"^ROS_DOMAIN_ID={given} is refused, expected a whole number from 0"),
         free_domain(),
     ):
         pass

@@ -215,7 +215,7 @@ def test_what_is_in_the_way_is_one_line_before_anything_is_touched(tmp_path: Pat
         before = sorted(tmp_path.rglob("*"))
         with pytest.raises(SystemExit) as ended:
             ev_stack.perform(ours)
-        assert ended.value.code == f"error: {tmp_path}: {refused[name]}, allowed is another folder"
+        assert ended.value.code == f"error: {tmp_path}: {refused[name]}, expected another folder"
         assert sorted(tmp_path.rglob("*")) == before
         (tmp_path / name).rename(tmp_path / f"moved_{name}")
     ev_stack.perform(ours)
@@ -226,7 +226,7 @@ def test_what_is_in_the_way_is_one_line_before_anything_is_touched(tmp_path: Pat
 def test_a_figure_of_the_users_is_not_replaced(tmp_path: Path):
     """What a figure is called is known when it is drawn; what was driven is there then, and can be replaced."""
     (tmp_path / "speed.png").write_text("mine")
-    with pytest.raises(SystemExit, match=r"speed\.png there is not of an earlier run, allowed is another folder$"):
+    with pytest.raises(SystemExit, match=r"speed\.png there is not of an earlier run, expected another folder$"):
         ev_stack.perform((*COMMANDS[0][:-1], str(tmp_path)))
     assert (tmp_path / "speed.png").read_text() == "mine"
     (tmp_path / "speed.png").rename(tmp_path / "mine.png")
@@ -289,11 +289,11 @@ def test_a_recording_that_is_played_back_is_not_replaced(tmp_path: Path, monkeyp
 
 def test_names_and_manifests_that_nobody_can_read_are_refused(tmp_path: Path):
     """A folder whose name is no text was driven for and then refused; a manifest of any size was read."""
-    with pytest.raises(ParameterError, match=r"is refused, allowed is the name of a folder in UTF-8$"):
+    with pytest.raises(ParameterError, match=r"is refused, expected the name of a folder in UTF-8$"):
         OutputFolder(tmp_path / os.fsdecode(b"\xff"), "scenario a")
     with (tmp_path / MANIFEST).open("wb") as file:
         file.truncate(2**30)
-    with pytest.raises(ParameterError, match=r"allowed is a regular file of at most 64 MB$"):
+    with pytest.raises(ParameterError, match=r"expected a regular file of at most 64 MB$"):
         OutputFolder(tmp_path, "scenario a")
     assert [path.name for path in tmp_path.iterdir()] == [MANIFEST]
 
@@ -331,6 +331,6 @@ def test_a_folder_in_the_place_of_a_file_is_refused_and_nothing_is_left_beside_i
     (tmp_path / "car.fmu").mkdir()
     for name in holds:
         (tmp_path / "car.fmu" / name).touch()
-    with pytest.raises(ParameterError, match=r"car\.fmu there is a folder, allowed is another folder"):
+    with pytest.raises(ParameterError, match=r"car\.fmu there is a folder, expected another folder"):
         OutputFolder(tmp_path, "fmu car.fmu", ["car.fmu"])
     assert [path.name for path in tmp_path.iterdir()] == ["car.fmu"]

@@ -148,10 +148,10 @@ def test_list_names_scenarios_and_methods():
         (("shchur2019", "--method", "driver=robot"), "unknown driver method 'robot'; known: .*speed_profile"),
         (("shchur2019", "--method", "engine=off"), "unknown node 'engine'; known: .*plant"),
         (("shchur2019", "--set", "plant.drvie=ideal"), "unknown parameter of plant 'drvie'; did you mean drive"),
-        (("shchur2019", "--set", "plant.drive=steam"), "drive: 'steam' is refused, allowed is one of .*ideal"),
-        (("shchur2019", "--set", "electronic_differential.gamma=-1"), "gamma: -1.0 is refused, allowed is 0 to 50"),
+        (("shchur2019", "--set", "plant.drive=steam"), "drive: 'steam' is refused, expected one of .*ideal"),
+        (("shchur2019", "--set", "electronic_differential.gamma=-1"), "gamma: -1.0 is refused, expected 0 to 50"),
         (("shchur2019", "--set", "driver.speed_control.proportional_gain=nan"), "proportional_gain: 'nan' is refused"),
-        (("shchur2019", "--set", "plantdrive"), "--set 'plantdrive' is refused, allowed is NODE.PARAM=VALUE"),
+        (("shchur2019", "--set", "plantdrive"), "--set 'plantdrive' is refused, expected NODE.PARAM=VALUE"),
         (("shchur2019", "--params", "/nowhere.yaml"), "/nowhere.yaml: No such file"),
         (("shchur2019", "--duration", "-1"), "duration: -1.0 is refused"),
     ],
@@ -169,8 +169,8 @@ def test_bad_input_is_one_line_and_a_status(arguments: tuple[str, ...], said: st
 @pytest.mark.parametrize(
     ("variable", "value", "said"),
     [
-        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF", "no node would find another one, allowed is LOCALHOST or SUBNET"),
-        ("RMW_IMPLEMENTATION", "rmw_of_nobody", "allowed is one that is installed, or none"),
+        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF", "no node would find another one, expected LOCALHOST or SUBNET"),
+        ("RMW_IMPLEMENTATION", "rmw_of_nobody", "expected one that is installed, or none"),
     ],
 )
 def test_where_no_node_can_hear_another_a_run_is_refused_in_one_line(variable, value, said, tmp_path: Path):

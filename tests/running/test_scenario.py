@@ -133,7 +133,7 @@ def test_an_impossible_duration_is_refused(scenario, duration):
 
 def test_a_run_is_at_least_one_step_long(scenario):
     """A recorder that waits for the first step after the end would wait for ever."""
-    said = "duration: 0.009 is refused, allowed is at least one control period, 0.01 s"
+    said = "duration: 0.009 is refused, expected at least one control period, 0.01 s"
     assert refused(scenario(HEAD), Overrides(duration=0.009)) == said
     assert load_scenario("test", Overrides(duration=0.01)).runs[0].duration == 0.01
 
@@ -216,8 +216,8 @@ def test_a_section_that_means_no_node_is_refused(scenario, more, pattern):
         (("drivr", "seed", 1), "unknown node 'drivr'; did you mean driver? known: asr, "),
         (("driver", "sed", 1), "driver: unknown parameter of driver 'sed'; did you mean seed?"),
         (("driver", "method", "sleep"), "driver: unknown driver method 'sleep'; known: "),
-        (("driver", "seed", -1), "driver: parameter seed: -1 is refused, allowed is 0 to "),
-        (("driver", "seed", "x"), "driver: parameter seed: 'x' is refused, allowed is a whole number"),
+        (("driver", "seed", -1), "driver: parameter seed: -1 is refused, expected 0 to "),
+        (("driver", "seed", "x"), "driver: parameter seed: 'x' is refused, expected a whole number"),
         (("asr", "control_period", 0.02), "control_period differs between nodes: "),
     ],
 )
@@ -407,7 +407,7 @@ def test_numbers_of_a_tyre_that_its_file_says_are_refused():
 def test_a_vehicle_that_says_more_than_a_car_is_refused(scenario, tmp_path):
     """The scenario would overrule it, and nobody would know."""
     path = own_car(tmp_path, lambda text: text + section("/**/asr", "{method: 'off'}"))
-    said = f"{path}: parameter 'method' is no vehicle's, allowed are those of vehicle; others stand in a scenario"
+    said = f"{path}: parameter 'method' is no vehicle's, expected those of vehicle; others stand in a scenario"
     assert refused(scenario(HEAD), Overrides(vehicle=path)) == said
 
 

@@ -301,7 +301,7 @@ def test_rates_are_of_one_time_for_all_topics(monkeypatch):
 
 
 def test_what_cannot_be_done_is_one_line(shell):
-    assert "real_time_factor: 'fast' is refused, allowed is double" in shell.refused(
+    assert "real_time_factor: 'fast' is refused, expected double" in shell.refused(
         "param", "set", "plant", "real_time_factor", "fast"
     )
     assert "plant refuses: " in shell.refused("param", "set", "plant", "real_time_factor", "-1")

@@ -46,7 +46,7 @@ def refused(*words: str, out: Path) -> str:
         ),
         (
             ["compare", "--duration", "0"],
-            "none of 16 runs can be driven; adaptive: duration: 0.0 is refused, allowed is",
+            "none of 16 runs can be driven; adaptive: duration: 0.0 is refused, expected",
         ),
         (
             ["compare", "--duration", "-1"],
@@ -71,12 +71,12 @@ def refused(*words: str, out: Path) -> str:
         ),
         (
             ["shchur2019", "--offline", "--set", "*.vehicle.maximum_road_wheel_angle=1.4"],
-            "driver: vehicle.maximum_road_wheel_angle: 1.4 is refused, allowed is below 1.276, where by "
+            "driver: vehicle.maximum_road_wheel_angle: 1.4 is refused, expected below 1.276, where by "
             "steering_geometry ackermann the inner front wheel stands across the car",
         ),
         (
             ["shchur2019", "--offline", "--set", "driver.seed=2147483648"],
-            "driver: parameter seed: 2147483648 is refused, allowed is 0 to 2147483647",
+            "driver: parameter seed: 2147483648 is refused, expected 0 to 2147483647",
         ),
     ],
 )
@@ -88,7 +88,7 @@ def test_what_a_file_says_wrong_is_found_in_the_file(tmp_path):
     path = tmp_path / "mine.yaml"
     for text, said in (
         ("{sed: 1}", f"error: driver: unknown parameter of driver 'sed'; did you mean seed\\? \\({path}\\)"),
-        ("{seed: -1}", f"error: driver: parameter seed: -1 is refused, allowed is 0 to 2147483647 \\({path}\\)"),
+        ("{seed: -1}", f"error: driver: parameter seed: -1 is refused, expected 0 to 2147483647 \\({path}\\)"),
         (
             "{seed: 1, method: pulse, seed: 2}",
             f"error: {path}: not readable as YAML in line 2: seed stands there twice",
@@ -134,7 +134,7 @@ def test_a_misspelt_role_is_named(offered, capsys):
     assert (
         "not loaded: ev_control.methods.asr: offered for 'asrr', which is no role: plant, " in capsys.readouterr().out
     )
-    with pytest.raises(TypeError, match=r"^method mine: 'asrr' is no role, allowed is one of plant, "):
+    with pytest.raises(TypeError, match=r"^method mine: 'asrr' is no role, expected one of plant, "):
         method("asrr", "mine")
 
 
@@ -255,6 +255,6 @@ def test_one_folder_is_for_one_run_at_a_time(tmp_path):
     runs = load_scenario("coast_down").runs
     first = OutputFolder(tmp_path / "out", "scenario coast_down", runs=runs)
     (first.directory / "signals.npz").touch()
-    with pytest.raises(ParameterError, match=r"another run is writing there, allowed is another folder$"):
+    with pytest.raises(ParameterError, match=r"another run is writing there, expected another folder$"):
         OutputFolder(tmp_path / "out", "scenario coast_down", runs=runs)
     assert (first.directory / "signals.npz").exists()

@@ -210,7 +210,7 @@ def test_errors_as_shares_of_reading_and_range_add_up():
     [
         ({"noise_of_range": 0.01}, "noise_of_range needs a range: lowest and highest"),
         ({"bias_of_range": 0.01, "lowest": 0.0}, "bias_of_range needs a range: lowest and highest"),
-        ({"lowest": 1.0, "highest": 0.0}, "lowest is 1, allowed is at most highest, 0"),
+        ({"lowest": 1.0, "highest": 0.0}, "lowest is 1, expected at most highest, 0"),
     ],
 )
 def test_a_share_of_no_range_is_refused(errors, words):

@@ -69,9 +69,9 @@ def test_sensors_of_signals_that_a_method_does_not_write_are_unused():
 @pytest.mark.parametrize(
     ("role", "name", "value", "message"),
     [
-        ("plant", "wheel_speed.noise", -0.1, "sensors.wheel_speed.noise: -0.1 is refused, allowed is 0 to 100 rad/s"),
-        ("plant", "tire_load.dropout", 1.5, "sensors.tire_load.dropout: 1.5 is refused, allowed is 0 to 1"),
-        ("plant", "imu_yaw_rate.delay", 0.5, "sensors.imu_yaw_rate.delay: 0.5 is refused, allowed is a whole number"),
+        ("plant", "wheel_speed.noise", -0.1, "sensors.wheel_speed.noise: -0.1 is refused, expected 0 to 100 rad/s"),
+        ("plant", "tire_load.dropout", 1.5, "sensors.tire_load.dropout: 1.5 is refused, expected 0 to 1"),
+        ("plant", "imu_yaw_rate.delay", 0.5, "sensors.imu_yaw_rate.delay: 0.5 is refused, expected a whole number"),
         ("plant", "wheel_sped.noise", 0.1, "parameter of plant 'sensors.wheel_sped.noise'; did you mean sensors."),
         ("steering_column", "wheel_speed.noise", 0.1, "unknown parameter of steering_column 'sensors.wheel_speed."),
         ("driver", "wheel_speed.noise", 0.1, "unknown parameter of driver 'sensors.wheel_speed.noise'"),

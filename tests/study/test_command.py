@@ -49,10 +49,10 @@ def cases_of(name: str, *words: str) -> list[Case]:
             "itself",
         ),
         ("sweep coast_down --vary plant.initial_speed=20,20", "case 'plant.initial_speed=20' is there twice"),
-        ("five_methods --drivers pulse pulse", "case 'method 1 pulse seed 1' is there twice, allowed is once"),
+        ("five_methods --drivers pulse pulse", "case 'method 1 pulse seed 1' is there twice, expected once"),
         (
             "sweep coast_down --vary plant.initial_speed=20 --vary plant.initial_speed=30",
-            "--vary 'plant.initial_speed=30' is refused: plant.initial_speed varies already, allowed is once",
+            "--vary 'plant.initial_speed=30' is refused: plant.initial_speed varies already, expected once",
         ),
         (
             "sweep coast_down --vary plant.seed=5,6 --seeds 2",
@@ -60,10 +60,10 @@ def cases_of(name: str, *words: str) -> list[Case]:
         ),
         (
             "sweep coast_down --vary plant.initial_speed=1:2:0",
-            "--vary 'plant.initial_speed=1:2:0' is refused, allowed is a COUNT from 2",
+            "--vary 'plant.initial_speed=1:2:0' is refused, expected a COUNT from 2",
         ),
-        ("sweep coast_down --vary plant.road.left=[ice", "--vary 'plant.road.left=[ice' is refused, allowed is x,y,z"),
-        ("faults --duration 4", "--duration 4 is refused: what this study measures comes later, allowed is 5 s"),
+        ("sweep coast_down --vary plant.road.left=[ice", "--vary 'plant.road.left=[ice' is refused, expected x,y,z"),
+        ("faults --duration 4", "--duration 4 is refused: what this study measures comes later, expected 5 s"),
         ("bench_difference --duration 1", "--duration 1 is refused: what this study measures comes later"),
         ("bench_convergence --duration 1", "--duration 1 is refused: what this study measures comes later"),
         ("bench_faults --duration 1", "--duration 1 is refused: what this study measures comes later"),

@@ -46,7 +46,7 @@ def test_classes_by_model_else_by_driven_axles(tmp_path):
 @pytest.mark.parametrize(
     ("row", "told"),
     [
-        (car("X", DRIVES[0], weight="heavy"), "line 2, column test_weight_lb: 'heavy' is refused, allowed is a"),
+        (car("X", DRIVES[0], weight="heavy"), "line 2, column test_weight_lb: 'heavy' is refused, expected a"),
         (car("X", DRIVES[0], udds=0), "line 2, column udds_mpge: '0' is refused"),
         (car("X", DRIVES[0], c="nan"), "line 2, column C_lbf_per_mph2: 'nan' is refused"),
         (car("X", "three wheels"), "line 2, column drive: .three wheels. is refused, allowed: 2-Wheel Drive, Front"),

@@ -114,9 +114,9 @@ def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, caps
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--vary", "gamma=1"], "--vary 'gamma=1' is refused, allowed is NODE.PARAM=x,y,z or =FIRST:LAST:COUNT"),
+        (["--vary", "gamma=1"], "--vary 'gamma=1' is refused, expected NODE.PARAM=x,y,z or =FIRST:LAST:COUNT"),
         *(
-            (["--vary", f"asr.x={text}"], f"--vary 'asr.x={text}' is refused, allowed is {allowed}")
+            (["--vary", f"asr.x={text}"], f"--vary 'asr.x={text}' is refused, expected {allowed}")
             for text, allowed in (
                 ("a:b:3", "FIRST:LAST:COUNT of numbers, such as 0:10:11 for 11 of them"),
                 ("0:10", "FIRST:LAST:COUNT of numbers, such as 0:10:11 for 11 of them"),
@@ -127,13 +127,13 @@ def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, caps
                 ("0:1e999:3", "FIRST:LAST:COUNT of finite numbers"),
             )
         ),
-        (["--seeds", "0"], "--seeds 0 is refused, allowed is 1 to 100000"),
-        (["--seeds", "1000000000000"], "--seeds 1000000000000 is refused, allowed is 1 to 100000"),
+        (["--seeds", "0"], "--seeds 0 is refused, expected 1 to 100000"),
+        (["--seeds", "1000000000000"], "--seeds 1000000000000 is refused, expected 1 to 100000"),
         (
             ["--seeds", "1000", "--vary", "asr.x=0:1:1000"],
-            "a sweep of 1000000 runs is refused, allowed are 100000; docs/batch.md has what drives more",
+            "a sweep of 1000000 runs is refused, expected 100000; docs/batch.md has what drives more",
         ),
-        ([], "a sweep of nothing is refused, allowed is --vary NODE.PARAM=x,y,z, --seeds N, or both"),
+        ([], "a sweep of nothing is refused, expected --vary NODE.PARAM=x,y,z, --seeds N, or both"),
     ],
 )
 def test_words_without_sense_are_one_line(words, said):

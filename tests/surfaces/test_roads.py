@@ -74,10 +74,10 @@ def test_a_surface_of_ones_own_drives_as_one_of_the_table_with_its_numbers():
     ("values", "said"),
     [
         ({"left": ("gravl",)}, "left: unknown surface 'gravl'; did you mean gravel"),
-        ({"own": ("ice", "oil")}, "own 'ice' is refused: there is such a surface, allowed is another name"),
+        ({"own": ("ice", "oil")}, "own 'ice' is refused: there is such a surface, expected another name"),
         ({"own": ("gravel", "gravel")}, "own 'gravel' is refused"),
         ({"own_c2": (10.0,)}, "own_c1, own_c2, own_c3 and own_rolling_resistance need one number for each of own"),
-        ({"own_c3": (0.2, 0.1)}, "own 'oil' has no friction at a slip of 1, allowed is a smaller c3"),
+        ({"own_c3": (0.2, 0.1)}, "own 'oil' has no friction at a slip of 1, expected a smaller c3"),
     ],
 )
 def test_surfaces_of_ones_own_that_make_no_sense_are_refused(values, said):

@@ -120,5 +120,5 @@ def test_a_free_shaft_swings_too_slowly_at_the_default_step():
 
 
 def test_delays_beyond_what_is_kept_are_refused():
-    with pytest.raises(ParameterError, match=r"set_point.delay: 0\.7 is refused, allowed is at most 0\.62 s"):
+    with pytest.raises(ParameterError, match=r"set_point.delay: 0\.7 is refused, expected at most 0\.62 s"):
         bench(**{"set_point.delay": 0.7})

@@ -17,7 +17,7 @@ def test_six_steps_in_this_order_and_no_other():
     for due in SEQUENCE_STEPS:
         for step in SEQUENCE_STEPS:
             if step != due:
-                with pytest.raises(ValueError, match=f"{step} is refused, allowed is {due}"):
+                with pytest.raises(ValueError, match=f"{step} is refused, expected {due}"):
                     sequence.after(step, cooling=True)
         sequence = sequence.after(due, cooling=True, chosen="left")
         assert sequence.enabled == ("left" if due == "start" else "none")
@@ -61,7 +61,7 @@ def test_who_enables_circuits_by_the_parameter_is_in_the_sequence():
             assert enable("both") == "" and enable("none") == ""
             assert node.sequence == Sequence()
             assert enable("both") == "" and call("emergency_stop")
-            assert enable("both") == "enabled is refused after an emergency stop, allowed is none until disconnect"
+            assert enable("both") == "enabled is refused after an emergency stop, expected none until disconnect"
             assert node.configuration.parameters.enabled == "none" and node.sequence.emergency
             assert call("disconnect") and enable("both") == ""
         finally:
@@ -84,7 +84,7 @@ def test_the_node_serves_the_steps():
         )
         try:
             assert {each.srv_name.rpartition("/")[2] for each in node.services} >= set(SERVICES)
-            assert call("start") == (False, "start is refused, allowed is choose", "none")
+            assert call("start") == (False, "start is refused, expected choose", "none")
             for name in ("choose_right", "connect", "load_model"):
                 assert call(name) == (True, "enabled: none", "none")
             assert call("start") == (True, "enabled: right", "right")

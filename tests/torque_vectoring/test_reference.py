@@ -80,7 +80,7 @@ def test_a_rear_axle_that_slides_is_given_the_yaw_rate_of_the_path():
 
 
 def test_limits_of_sideslip_have_an_order():
-    with pytest.raises(ParameterError, match=r"last_sideslip is 0.04 rad, allowed is more than first_sideslip"):
+    with pytest.raises(ParameterError, match=r"last_sideslip is 0.04 rad, expected more than first_sideslip"):
         ReferenceParameters(last_sideslip=0.04)
 
 

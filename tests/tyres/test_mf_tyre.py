@@ -177,8 +177,8 @@ def test_signs_of_all_axes_give_the_same_tyre():
         ({"combined": "slip_vector"}, "mf_tyre and weighted go together"),
         ({"front_mf": NUMBERS[:-1]}, "needs front_file, or front_mf with"),
         ({"lateral_ratio": 2.0}, "lateral_ratio 1 and load_sensitivity 0"),
-        ({"rear_mf": (0.0, *NUMBERS[1:])}, "FNOMIN of the rear tyres is 0, allowed is above 0"),
-        ({"front_mf": (4000.0, 3.5, *NUMBERS[2:])}, "PCX1 of the front tyres is 3.5, allowed is 0 to 3"),
+        ({"rear_mf": (0.0, *NUMBERS[1:])}, "FNOMIN of the rear tyres is 0, expected above 0"),
+        ({"front_mf": (4000.0, 3.5, *NUMBERS[2:])}, "PCX1 of the front tyres is 3.5, expected 0 to 3"),
     ],
 )
 def test_half_a_tyre_is_refused(changed, words):

@@ -113,17 +113,17 @@ def test_what_is_in_braces_is_a_text_or_a_measure(listed, tmp_path: Path):
     [
         ({"measure": "lenght"}, "unknown measure 'lenght'; did you mean length? known: car, length, parameter, word"),
         ({"measure": "length 1 2"}, "measure 'length 1 2' is refused"),
-        ({"measure": ""}, "the measure is missing, allowed is its name"),
-        ({"tolerance": ""}, "the tolerance is missing, allowed is one with its reason, or 'shown' for the value"),
-        ({"tolerance": "about 1"}, "the tolerance 'about 1' is refused, allowed is such as '1 %'"),
+        ({"measure": ""}, "the measure is missing, expected its name"),
+        ({"tolerance": ""}, "the tolerance is missing, expected one with its reason, or 'shown' for the value"),
+        ({"tolerance": "about 1"}, "the tolerance 'about 1' is refused, expected such as '1 %'"),
         ({"tolerance": "-1"}, "the tolerance '-1' is refused"),
         ({"tolerance": "nan"}, "the tolerance 'nan' is refused"),
         ({"tolerance": "3 .. 1"}, "the tolerance '3 .. 1' is refused"),
-        ({"why": ""}, "the tolerance '1 %' has no reason, allowed is one in the column why"),
-        ({"unit": "meter"}, "the unit 'meter' is not known, allowed is such as 'N m', 'm/s^2' or '1', of "),
+        ({"why": ""}, "the tolerance '1 %' has no reason, expected one in the column why"),
+        ({"unit": "meter"}, "the unit 'meter' is not known, expected such as 'N m', 'm/s^2' or '1', of "),
         ({"unit": ""}, "the unit '' is not known"),
-        ({"value": "nan"}, "the value 'nan' is refused, allowed is a finite number or 'shown'"),
-        ({"value": ""}, "the value '' is refused, allowed is a finite number or 'shown'"),
+        ({"value": "nan"}, "the value 'nan' is refused, expected a finite number or 'shown'"),
+        ({"value": ""}, "the value '' is refused, expected a finite number or 'shown'"),
         ({"value": "two"}, "the value 'two' is refused"),
         ({"value": "shown"}, "the tolerance '1 %' is refused, allowed beside shown is none"),
         ({"measure": "length > length 2"}, "the value '2' is refused, allowed for a comparison is none"),
@@ -131,13 +131,13 @@ def test_what_is_in_braces_is_a_text_or_a_measure(listed, tmp_path: Path):
             {"measure": "length > length 2", "value": "", "tolerance": "0.1"},
             "the tolerance '0.1' is refused, allowed for a comparison is more than 0 % and less than 100 %",
         ),
-        ({"note": "because"}, "the note 'because' is refused, allowed is one that begins with assumption: "),
+        ({"note": "because"}, "the note 'because' is refused, expected one that begins with assumption: "),
         ({"note": "assumption: {lenght}"}, "unknown measure 'lenght'"),
-        ({"kind": "guessed"}, "kind 'guessed' is refused, allowed is printed, follows, words, axes, lost"),
-        ({"driven": "urban_mixed --speed 3"}, "what is driven: '--speed 3' is refused, allowed is a scenario with"),
+        ({"kind": "guessed"}, "kind 'guessed' is refused, expected printed, follows, words, axes, lost"),
+        ({"driven": "urban_mixed --speed 3"}, "what is driven: '--speed 3' is refused, expected a scenario with"),
         ({"driven": "urban_mixed --duration long"}, "what is driven: argument --duration: 'long' is refused"),
-        ({"driven": "urban_mixed --set speed"}, "--set 'speed' is refused, allowed is NODE.PARAM=VALUE"),
-        ({"measure": "", "unit": "", "value": "", "tolerance": "", "why": ""}, "nothing is measured, allowed is that"),
+        ({"driven": "urban_mixed --set speed"}, "--set 'speed' is refused, expected NODE.PARAM=VALUE"),
+        ({"measure": "", "unit": "", "value": "", "tolerance": "", "why": ""}, "nothing is measured, expected that"),
     ],
 )
 def test_a_mistake_is_one_line(listed, tmp_path: Path, changed: dict[str, str], line: str):
@@ -151,11 +151,11 @@ def test_a_mistake_is_one_line(listed, tmp_path: Path, changed: dict[str, str], 
 @pytest.mark.parametrize(
     ("rows", "line"),
     [
-        ([GOOD, GOOD], "line 3, own.a: the id stands there twice, allowed is once"),
-        ([GOOD, {**GOOD, "id": ""}], "line 3, own.a: a row without id has kind, where, quantity, printed, allowed is"),
+        ([GOOD, GOOD], "line 3, own.a: the id stands there twice, expected once"),
+        ([GOOD, {**GOOD, "id": ""}], "line 3, own.a: a row without id has kind, where, quantity, printed, expected"),
         ([GOOD, {**GOOD, "id": "", "kind": "", "quantity": ""}], "line 2, own.a: two of its numbers have one name"),
         ([{**GOOD, "id": ""}], "line 2, no id: a row without id has"),
-        ([{**GOOD, "quantity": "a, b"}], "line 2: 14 cells, allowed is 13: quote what has commas"),
+        ([{**GOOD, "quantity": "a, b"}], "line 2: 14 cells, expected 13: quote what has commas"),
     ],
 )
 def test_a_mistake_of_several_rows_is_one_line(listed, tmp_path: Path, rows: list[dict[str, str]], line: str):
@@ -166,7 +166,7 @@ def test_a_mistake_of_several_rows_is_one_line(listed, tmp_path: Path, rows: lis
 
 def test_a_file_with_other_columns_is_refused(listed, tmp_path: Path):
     (tmp_path / "texts.csv").write_text("text,name\n")
-    with pytest.raises(ParameterError, match=r"texts\.csv, line 1: the columns are refused, allowed is name,text$"):
+    with pytest.raises(ParameterError, match=r"texts\.csv, line 1: the columns are refused, expected name,text$"):
         listed(GOOD)
 
 

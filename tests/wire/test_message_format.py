@@ -229,7 +229,7 @@ def test_without_a_frame_name_it_is_read_and_of_another_frame_refused(topic):
     values = ordinary(topic)
     message = message_of(topic, values, 5)
     message.header.frame_id = "somewhere/else"
-    assert refusal(topic, serialize_message(message)).startswith("frame_id is 'somewhere/else', allowed is ")
+    assert refusal(topic, serialize_message(message)).startswith("frame_id is 'somewhere/else', expected ")
     message.header.frame_id = ""
     serialized = serialize_message(message)
     assert read(topic, serialized) == bits(values)
@@ -290,7 +290,7 @@ def test_missing_and_additional_numbers_are_refused(order, count):
     message.name = [message.name[i] for i in order]
     message.velocity = [0.0] * count
     text = refusal(COLUMN, serialize_message(message))
-    assert text == f"velocity has {count} numbers, allowed are 2, one per joint"
+    assert text == f"velocity has {count} numbers, expected 2, one per joint"
 
 
 @WITH_NUMBERS

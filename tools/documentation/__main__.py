@@ -119,7 +119,7 @@ def _keep_full(root: Path, folder: Path) -> None:
         kept = kept_board(folder, read_board("full"))
         save_image(folder / "board.png", root / "docs" / "images" / f"{IMAGE}.png")
     except (OSError, EOFError, LookupError, ValueError) as problem:
-        sys.exit(f"--full {folder}: {problem}, allowed is what `scripts/run.sh benchmark full --out DIR` leaves in DIR")
+        sys.exit(f"--full {folder}: {problem}, expected what `scripts/run.sh benchmark full --out DIR` leaves in DIR")
     write_kept(root / FILE, kept)
 
 

@@ -235,9 +235,9 @@ int main(int count, char **words)
     setvbuf(stdout, 0, _IOLBF, BUFSIZ); /* lines go out whole */
     char *end;
     double pedal = strtod(words[2], &end);
-    if (*end || end == words[2]) return fprintf(stderr, "ecu: PEDAL is refused, allowed is a number\n"), 1;
+    if (*end || end == words[2]) return fprintf(stderr, "ecu: PEDAL is refused, expected a number\n"), 1;
     int left = milliseconds(words[3]), timeout = milliseconds(words[4]);
-    if (!left || !timeout) return fprintf(stderr, "ecu: SECONDS and TIMEOUT are refused, allowed are 0.001 s or more\n"), 1;
+    if (!left || !timeout) return fprintf(stderr, "ecu: SECONDS and TIMEOUT are refused, expected 0.001 s or more\n"), 1;
     for (int k = 0; k < DRIVES; k++)
         if (!channel_open(&drives[k].channel, words[1], wired[k].channel))
             return fprintf(stderr, "ecu: there is no hub at port %s\n", words[1]), 1;

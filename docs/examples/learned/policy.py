@@ -37,7 +37,7 @@ class PolicyParameters:
 
     def __post_init__(self) -> None:
         if len(self.weights) != WEIGHTS:
-            raise ParameterError(f"weights has {len(self.weights)} elements, allowed are {WEIGHTS}")
+            raise ParameterError(f"weights has {len(self.weights)} elements, expected {WEIGHTS}")
 
 
 class Prepared(NamedTuple):

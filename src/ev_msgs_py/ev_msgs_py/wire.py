@@ -83,16 +83,16 @@ def numbers_in(topic: Topic, message: Any) -> list[float]:
     """
     frame = getattr(message, "header", message).frame_id
     if frame not in ("", topic.frame):
-        raise MessageError(f"frame_id is {quoted(frame)}, allowed is {quoted(topic.frame)}")
+        raise MessageError(f"frame_id is {quoted(frame)}, expected {quoted(topic.frame)}")
     names = joint_names(topic)
     if not names:
         return [_at(message, path) for path in paths(topic)]
     if sorted(message.name) != sorted(names):
-        raise MessageError(f"joint names are {list(message.name)}, allowed are {names}")
+        raise MessageError(f"joint names are {list(message.name)}, expected {names}")
     for kind in _used_arrays(topic):
         count = len(getattr(message, kind))
         if count != len(names):
-            raise MessageError(f"{kind} has {count} numbers, allowed are {len(names)}, one per joint")
+            raise MessageError(f"{kind} has {count} numbers, expected {len(names)}, one per joint")
     order = list(message.name)
     found = []
     for path in paths(topic):
@@ -237,7 +237,7 @@ class MessageFormat:
     def _refuse_not_finite(self, numbers: Sequence[float]) -> None:
         for channel, value in zip(self.topic.shape.channels, numbers, strict=True):
             if not math.isfinite(value):
-                raise MessageError(f"{channel} is {value}, allowed are finite numbers")
+                raise MessageError(f"{channel} is {value}, expected finite numbers")
 
     def _without_sign(self, numbers: Sequence[float]) -> Sequence[float]:
         shape = self.topic.shape

@@ -225,9 +225,9 @@ class RoadParameters:
             raise ParameterError("own_c1, own_c2, own_c3 and own_rolling_resistance need one number for each of own")
         for i, name in enumerate(self.own):
             if name in SURFACES or name in self.own[:i]:
-                raise ParameterError(f"own {quoted(name)} is refused: there is such a surface, allowed is another name")
+                raise ParameterError(f"own {quoted(name)} is refused: there is such a surface, expected another name")
             if self.own_c1[i] * (1.0 - exp(-self.own_c2[i])) - self.own_c3[i] <= 0.0:
-                raise ParameterError(f"own {quoted(name)} has no friction at a slip of 1, allowed is a smaller c3")
+                raise ParameterError(f"own {quoted(name)} has no friction at a slip of 1, expected a smaller c3")
         known = (*SURFACES, *self.own)
         for where in ("left", "right", "random_surfaces"):
             for name in getattr(self, where):

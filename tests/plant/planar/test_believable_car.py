@@ -87,5 +87,5 @@ def test_half_a_suspension_is_refused():
     with pytest.raises(ParameterError, match="given both or neither"):
         Suspension(front_roll_stiffness=3e4)
     odd = Suspension(front_roll_stiffness=3e4, rear_roll_stiffness=3e4, front_roll_centre_height=2.0)
-    with pytest.raises(ParameterError, match="of the lateral load transfer, allowed is 0 to 1"):
+    with pytest.raises(ParameterError, match="of the lateral load transfer, expected 0 to 1"):
         dataclasses.replace(CAR, suspension=odd)

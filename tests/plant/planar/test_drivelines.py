@@ -84,8 +84,8 @@ def test_differentials_lose_what_their_locks_take_and_no_more():
     ("values", "said"),
     [
         ({"front": "torsen_1"}, "front: torsen_1 is refused, it is made as rear and centre differential"),
-        ({"rear": "torsen_2", "rear_lock": 4.0}, "rear_lock: 4 is refused, allowed is 2 to 3"),
-        ({"centre_lock": 1.5}, "centre_lock: 1.5 is refused, allowed is 0: K is that of a Torsen or DCCD, not open"),
+        ({"rear": "torsen_2", "rear_lock": 4.0}, "rear_lock: 4 is refused, expected 2 to 3"),
+        ({"centre_lock": 1.5}, "centre_lock: 1.5 is refused, expected 0: K is that of a Torsen or DCCD, not open"),
         ({"coupling": "clutch", "front": "open"}, "front and rear are refused with coupling clutch"),
         ({"coupling": "centre", "rear": "individual"}, "front and rear: individual is refused with coupling centre"),
         ({"coupling": "centre", "rear_size": 2.0}, "gear and size of an axle: 1 is allowed with coupling centre"),

@@ -93,7 +93,7 @@ def test_no_front_wheel_of_an_accepted_car_turns_over(base, track, angle):
     across = 0.5 * track * math.tan(angle) / base
     assume(abs(across - 1.0) > 1e-9)
     if across > 1.0:
-        with pytest.raises(ParameterError, match=r"^maximum_road_wheel_angle: .* is refused, allowed is below"):
+        with pytest.raises(ParameterError, match=r"^maximum_road_wheel_angle: .* is refused, expected below"):
             numbers_of(maximum_road_wheel_angle=angle, **car)
         return
     _, left, _, right = front_wheels(numbers_of(maximum_road_wheel_angle=angle, **car), angle)

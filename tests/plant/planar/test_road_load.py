@@ -56,5 +56,5 @@ def test_a_standing_car_stands():
 
 @pytest.mark.parametrize("name", ("rolling_resistance", "drag_coefficient"))
 def test_both_are_refused(name):
-    with pytest.raises(ParameterError, match=f"road_load stands in the place of {name}, allowed is 0"):
+    with pytest.raises(ParameterError, match=f"road_load stands in the place of {name}, expected 0"):
         dataclasses.replace(GIVEN, **{name: 0.01})

@@ -161,7 +161,7 @@ def test_a_run_may_begin_in_the_equilibrium_of_straight_running(speed, torque):
     [
         (REAR_DRIVEN, {}, "needs an initial_speed other than 0"),
         (CAR, {"initial_speed": 5.0}, "needs a motor at rear_left, rear_right"),
-        (REAR_DRIVEN, {"initial_speed": 5.0, "road__left": ("ice",)}, "is 300 N m at rear_left, allowed is what its"),
+        (REAR_DRIVEN, {"initial_speed": 5.0, "road__left": ("ice",)}, "is 300 N m at rear_left, expected what its"),
     ],
 )
 def test_an_impossible_start_is_refused(car, parameters, message):

@@ -55,7 +55,7 @@ class LeastSquaresParameters(SlipPeakParameters):
 
     def __post_init__(self) -> None:
         if max(self.least_slip, self.first_slip) > self.backstop:
-            raise ParameterError(f"backstop is {self.backstop:g}, allowed is at least least_slip and first_slip")
+            raise ParameterError(f"backstop is {self.backstop:g}, expected at least least_slip and first_slip")
 
 
 LARGEST_TARGET = 0.9  # [1]; the speed that belongs to a slip grows with 1/(1 - x)

@@ -36,7 +36,7 @@ class LoadShareParameters:
     def __post_init__(self) -> None:
         if len(self.rolling_resistance) != len(WHEEL_NAMES):
             raise ParameterError(
-                f"rolling_resistance has {len(self.rolling_resistance)} elements, allowed is one for each wheel, four"
+                f"rolling_resistance has {len(self.rolling_resistance)} elements, expected one for each wheel, four"
             )
 
 

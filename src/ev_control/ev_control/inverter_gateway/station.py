@@ -59,7 +59,7 @@ class GatewayStation:
     def command(self, name: str, mode: int, value: float) -> None:
         """What a device shall do: a torque [N m] or a speed [rad/s] at its shaft; ValueError for what is no number."""
         if not isfinite(value):
-            raise ValueError(f"command of {name}: {value} is refused, allowed is a finite number")
+            raise ValueError(f"command of {name}: {value} is refused, expected a finite number")
         leading.command_device(self.devices[name], mode, value)
 
     def enable(self, names: tuple[str, ...]) -> str:

@@ -28,7 +28,7 @@ class SlipThresholdParameters:
 
     def __post_init__(self) -> None:
         if self.low > self.high:
-            raise ParameterError(f"low is {self.low:g}, allowed is at most high, {self.high:g}")
+            raise ParameterError(f"low is {self.low:g}, expected at most high, {self.high:g}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,7 @@ class ReferenceParameters:
     def __post_init__(self) -> None:
         if self.last_sideslip <= self.first_sideslip:
             raise ParameterError(
-                f"last_sideslip is {self.last_sideslip:g} rad, allowed is more than first_sideslip, "
+                f"last_sideslip is {self.last_sideslip:g} rad, expected more than first_sideslip, "
                 f"{self.first_sideslip:g} rad"
             )
 

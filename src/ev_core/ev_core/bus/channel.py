@@ -25,11 +25,9 @@ def bus_log(file: str) -> can.Listener:
     """
     path = Path(file)
     if path.suffix not in SUFFIXES:
-        raise ValueError(
-            f"parameter log: {quoted(file)} is refused, allowed are files ending with {', '.join(SUFFIXES)}"
-        )
+        raise ValueError(f"parameter log: {quoted(file)} is refused, expected files ending with {', '.join(SUFFIXES)}")
     if os.path.lexists(path):
-        raise ValueError(f"parameter log: {quoted(file)} is refused, allowed is a file that is not there yet")
+        raise ValueError(f"parameter log: {quoted(file)} is refused, expected a file that is not there yet")
     try:
         return can.Logger(path)
     except (NotImplementedError, ImportError):

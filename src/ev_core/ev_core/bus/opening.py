@@ -109,7 +109,7 @@ def _open(interface: str, channel: str, address: str) -> can.BusABC:
         name, place = _split(channel, "@", "NAME@HOST:PORT")
         host, port = _split(place, ":", "NAME@HOST:PORT")
         if address == LOOPBACK and not _is_here(host):
-            raise ValueError(f"host {quoted(host)} is refused, allowed is {LOOPBACK} unless bus.address is another one")
+            raise ValueError(f"host {quoted(host)} is refused, expected {LOOPBACK} unless bus.address is another one")
         # It would warn of every message that comes in two pieces, which is how streams are.
         logging.getLogger("can.interfaces.socketcand").setLevel(logging.ERROR)
         # python-can would try for 10 s, at full speed
@@ -140,5 +140,5 @@ def _split(text: str, sign: str, form: str) -> tuple[str, str]:
 
 def _port(text: str) -> int:
     if not text.isdecimal() or not 0 < int(text) < 65536:
-        raise ValueError(f"port {quoted(text)} is refused, allowed is 1 to 65535")
+        raise ValueError(f"port {quoted(text)} is refused, expected 1 to 65535")
     return int(text)

@@ -48,16 +48,16 @@ _MEANINGS = (
     ),
     (
         r"Untyped global name '(\w+)':.*<class '(.+?)'>",
-        r"\1 is of type \2, allowed are numbers, tuples and functions marked @compilable",
+        r"\1 is of type \2, expected numbers, tuples and functions marked @compilable",
     ),
     (r"name '(\w+)' is not defined", r"\1 is not defined"),
     (r"use of yield|closure", "a generator or inner function is used, write its terms out"),
     (r"Exception matching", "an exception is caught, test the condition instead"),
     (r"Can't index at", "a signal or Wheels lacks some of its fields, give all of them: defaults are not compiled"),
-    (r"f-string|FORMAT|BUILD_STRING", "a text is made, allowed are numbers"),
+    (r"f-string|FORMAT|BUILD_STRING", "a text is made, expected numbers"),
     (
         r"assigned to variable '(\w+)' in globals",
-        r"\1 is a list, allowed are numbers, tuples and functions marked @compilable",
+        r"\1 is a list, expected numbers, tuples and functions marked @compilable",
     ),
     (r"unify", "one variable has several types, give it one type in all branches"),
 )
@@ -134,9 +134,9 @@ def _wrong(function: FunctionType, arguments: tuple[str, ...]) -> Iterator[tuple
             case ast.Call(func=ast.Name(id=name)) if name == function.__name__:
                 yield node, f"{name} calls itself, write a loop"
             case ast.Call(func=ast.Name(id="str" | "repr" | "format" as name)):
-                yield node, f"{name} makes a text, allowed are numbers"
+                yield node, f"{name} makes a text, expected numbers"
             case ast.Compare() if any(_is_text(each) for each in (node.left, *node.comparators)):
-                yield node, "a number is compared with a text, allowed is the place of a choice among the choices"
+                yield node, "a number is compared with a text, expected the place of a choice among the choices"
             case ast.Subscript(value=ast.Name(id=name), slice=ast.Constant(value=str(key))) if name in arguments:
                 yield node, f'{name}["{key}"] is not known, write {name}.{key}'
             case ast.arguments(vararg=ast.arg() as many) | ast.arguments(kwarg=ast.arg() as many):
@@ -207,20 +207,20 @@ def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
     for name, value in entries_without_number(made.given["s"]):
         file, begin = beginning(law.function)
         line = next((node.lineno for node, text in _assigned(law.function) if text == f"s.{name}"), 1)
-        return file, begin + line - 1, f"s.{name} becomes {type(value).__name__}, allowed is a number"
+        return file, begin + line - 1, f"s.{name} becomes {type(value).__name__}, expected a number"
     if ROLES[method.role].kind is RoleKind.INTEGRATES:
         given = made.outputs()
     wrote = given if isinstance(given, tuple) and not hasattr(given, "_fields") else (given,)
     at = beginning(law.outputs or law.function)
     if [type(each) for each in wrote] != [*method.writes]:
         names = [" and ".join(each.__name__ for each in kinds) for kinds in (map(type, wrote), method.writes)]
-        return *at, f"it returns {names[0]}, allowed is {names[1]}"
+        return *at, f"it returns {names[0]}, expected {names[1]}"
     for kind, signal in zip(method.writes, wrote, strict=True):
         per_wheel = shape_of(kind).per_wheel
         for name, value in zip(signal._fields, signal, strict=True):
             if per_wheel and not isinstance(value, Wheels):
                 what = f"{name} of its {kind.__name__} is {type(value).__name__}"
-                return *at, f"{what}, allowed is Wheels: Wheels(a, b, c, d)"
+                return *at, f"{what}, expected Wheels: Wheels(a, b, c, d)"
     return None
 
 

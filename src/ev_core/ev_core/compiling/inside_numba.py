@@ -45,7 +45,7 @@ def switched_off() -> frozenset[str]:
     named = frozenset(os.environ.get(VARIABLE, "").replace(",", " ").split())
     for name in sorted(named - {*TOUCHES, "all"}):
         allowed = ", ".join(TOUCHES)
-        raise ParameterError(f"{VARIABLE}: {quoted(name)} is refused, allowed is all, or some of {allowed}")
+        raise ParameterError(f"{VARIABLE}: {quoted(name)} is refused, expected all, or some of {allowed}")
     return frozenset(TOUCHES) if "all" in named else named
 
 

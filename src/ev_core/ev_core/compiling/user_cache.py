@@ -46,7 +46,7 @@ def cache_folder() -> Path:
         return _for_now(folder)
     if danger := _danger(folder):
         raise ParameterError(
-            f"what is compiled is not kept in {folder}: {danger}; allowed is a folder of your own (user {os.getuid()}) "
+            f"what is compiled is not kept in {folder}: {danger}; expected a folder of your own (user {os.getuid()}) "
             f"that nobody else may write into, {VARIABLE} names another one"
         )
     return folder

@@ -101,7 +101,7 @@ def parsed(texts: tuple[str, ...]) -> list[Fault]:
 def _fault(text: str) -> Fault:
     words = text.split()
     if len(words) < 2:
-        raise ParameterError(f"faults: {quoted(text)} is refused, allowed is {SYNTAX}")
+        raise ParameterError(f"faults: {quoted(text)} is refused, expected {SYNTAX}")
     (name, where), rest = words[:2], words[2:]
     if name not in KINDS:
         raise ParameterError(f"faults: {quoted(text)}: {unknown_name('kind of fault', name, KINDS)}")
@@ -113,14 +113,14 @@ def _fault(text: str) -> Fault:
         value = _number(text, rest.pop(0), kind.low, kind.high, kind.unit)
     times = {"from": 0.0, "until": math.inf}
     if len(rest) % 2 or len(set(rest[::2])) < len(rest) // 2 or not set(rest[::2]) <= set(times):
-        raise ParameterError(f"faults: {quoted(text)} is refused, allowed is {SYNTAX}")
+        raise ParameterError(f"faults: {quoted(text)} is refused, expected {SYNTAX}")
     times.update({word: _number(text, time, 0.0, 1e9, "s") for word, time in zip(rest[::2], rest[1::2], strict=True)})
     if times["from"] >= times["until"]:
-        raise ParameterError(f"faults: {quoted(text)} ends at {times['until']:g} s, allowed is after its begin")
+        raise ParameterError(f"faults: {quoted(text)} ends at {times['until']:g} s, expected after its begin")
     if name in OF_THE_CAR:
         allowed = (BATTERY,) if name == "battery_share" else tuple(_SOME_WHEELS)
         if where not in allowed:
-            raise ParameterError(f"faults: {quoted(text)}: {where} is refused, allowed is {', '.join(allowed)}")
+            raise ParameterError(f"faults: {quoted(text)}: {where} is refused, expected {', '.join(allowed)}")
     return Fault(text, name, where.replace("/", "."), value, times["from"], times["until"])
 
 
@@ -130,5 +130,5 @@ def _number(text: str, word: str, low: float, high: float, unit: str) -> float:
     except ValueError:
         value = math.nan
     if not low <= value <= high:
-        raise ParameterError(f"faults: {quoted(text)}: {word} is refused, allowed is {low:g} to {high:g} {unit}")
+        raise ParameterError(f"faults: {quoted(text)}: {word} is refused, expected {low:g} to {high:g} {unit}")
     return value

@@ -197,9 +197,9 @@ def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, 
             raise ParameterError(f"faults: {quoted(fault.text)}: {unknown_name('number of this node', where, listed)}")
         found += here
     if fault.kind == "swapped" and (len(found) != _PAIR or found[0] == found[1]):
-        raise ParameterError(f"faults: {quoted(fault.text)} names {len(found)} numbers, allowed are two, NUMBER,NUMBER")
+        raise ParameterError(f"faults: {quoted(fault.text)} names {len(found)} numbers, expected two, NUMBER,NUMBER")
     if fault.kind == "tilted" and not all("acceleration" in name for name, *_ in found):
-        raise ParameterError(f"faults: {quoted(fault.text)}: allowed are accelerations of imu")
+        raise ParameterError(f"faults: {quoted(fault.text)}: expected accelerations of imu")
     return found
 
 
@@ -212,14 +212,14 @@ def refuse_faults(role: str, texts: tuple[str, ...], writes: tuple[type, ...], h
         begin, end = fault.periods(period)
         if begin >= end:
             raise ParameterError(
-                f"faults: {quoted(fault.text)} strikes at no instant, allowed is one that lasts over a multiple of "
+                f"faults: {quoted(fault.text)} strikes at no instant, expected one that lasts over a multiple of "
                 f"control_period, {period:g} s"
             )
         if fault.kind in OF_SIGNALS:
             channels_of(fault, writes)
         elif not has_car:
             raise ParameterError(
-                f"faults: {quoted(fault.text)} is refused at this {role}, allowed are {', '.join(_CODES)}"
+                f"faults: {quoted(fault.text)} is refused at this {role}, expected {', '.join(_CODES)}"
             )
         if fault.kind == "restarted" and ROLES[role].kind is not RoleKind.ANSWERS:
             raise ParameterError(

@@ -41,7 +41,7 @@ def method_of_file(role: str, name: str) -> Method:
     if not chosen and len(methods) > 1:
         raise ParameterError(f"{who}: the file has several laws: {names}; choose one by {path.name}:NAME", "method")
     if chosen and chosen not in methods:
-        raise ParameterError(f"{who}: the file has no law {quoted(chosen)}, allowed is one of {names}", "method")
+        raise ParameterError(f"{who}: the file has no law {quoted(chosen)}, expected one of {names}", "method")
     return replace(methods[chosen or names], name=name)
 
 

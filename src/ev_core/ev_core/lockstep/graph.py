@@ -86,7 +86,7 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
         values = {role: values[name] for role, values in common.items()}
         if name not in _OWN and len(set(values.values())) > 1:
             given = ", ".join(f"{role} {value}" for role, value in values.items())
-            raise ParameterError(f"{name} differs between nodes: {given}; allowed is one for all")
+            raise ParameterError(f"{name} differs between nodes: {given}; expected one for all")
     written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
     for configuration in configurations.values():
         for signal in configuration.method.inputs:

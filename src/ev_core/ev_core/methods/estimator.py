@@ -37,6 +37,6 @@ def estimators() -> dict[str, Estimator]:
     for package in offered(GROUP):
         for name, each in offered_module(GROUP, "estimators", package).ESTIMATORS.items():
             if name in found:
-                raise ParameterError(f"the estimator {name} of {package} is there already, allowed is another name")
+                raise ParameterError(f"the estimator {name} of {package} is there already, expected another name")
             found[name] = each
     return found

@@ -89,7 +89,7 @@ def given_names(function: Callable[..., Any]) -> tuple[str, ...]:
     count = sum(name in GIVEN for name in asked)
     for name in asked[:count]:
         if name not in GIVEN and arguments[name].annotation is inspect.Parameter.empty:
-            raise TypeError(f"{function.__name__}: {name} is not known, allowed are {', '.join(GIVEN)} and signals")
+            raise TypeError(f"{function.__name__}: {name} is not known, expected {', '.join(GIVEN)} and signals")
         if name not in GIVEN:
             raise TypeError(f"{function.__name__}: {name} stands too early, {', '.join(GIVEN)} come before the signals")
     return asked[:count]
@@ -104,12 +104,12 @@ def declared_law(who: str, function: Callable[..., Any], parameters: type, how: 
     law = Law(function, parameters, **how)
     state = law.state
     if not isinstance(state, type) or not is_dataclass(state):
-        raise TypeError(f"{who}: state={shown(state)} is refused, allowed is a class marked @dataclass(slots=True)")
+        raise TypeError(f"{who}: state={shown(state)} is refused, expected a class marked @dataclass(slots=True)")
     if bare := [each.name for each in fields(state) if each.default is each.default_factory is MISSING]:
         raise TypeError(f"{who}: {state.__name__}.{bare[0]} has no start value, declare it by entry(0.0, unit=...)")
     for name, value in entries_without_number(state()):
         kind = type(value).__name__
-        raise TypeError(f"{who}: {state.__name__}.{name} begins as {kind}, allowed is a number: entry(0.0, unit=...)")
+        raise TypeError(f"{who}: {state.__name__}.{name} begins as {kind}, expected a number: entry(0.0, unit=...)")
     if not isinstance(law.needs, tuple | list):
         raise TypeError(f"{who}: needs= is no tuple, write needs=(...,)")
     asked = inspect.signature(function).parameters

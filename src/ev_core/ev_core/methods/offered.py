@@ -17,7 +17,7 @@ def offered(group: str) -> dict[str, str]:
     for point in entry_points(group=group):
         if found.setdefault(point.name, point.value) != point.value:
             raise ParameterError(
-                f"{group} {quoted(point.name)} is offered by {found[point.name]} and by {point.value}, allowed is one"
+                f"{group} {quoted(point.name)} is offered by {found[point.name]} and by {point.value}, expected one"
             )
     return found
 

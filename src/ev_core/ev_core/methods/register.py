@@ -181,7 +181,7 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
     the name of one of every node.
     """
     if role not in ROLES:
-        raise TypeError(f"method {name}: {quoted(role)} is no role, allowed is one of {', '.join(ROLES)}")
+        raise TypeError(f"method {name}: {quoted(role)} is no role, expected one of {', '.join(ROLES)}")
 
     def register(defined: T) -> T:
         factory: Any = defined

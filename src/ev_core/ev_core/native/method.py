@@ -48,7 +48,7 @@ def _opened(path: Path) -> ctypes.CDLL:
     known = [os.path.samestat(each, found) for each in before]
     place = known.index(True) if True in known else len(before)
     if any(known) and (before[place].st_mtime_ns, before[place].st_size) != (found.st_mtime_ns, found.st_size):
-        raise OSError("it was written over while it was in use, allowed is a new file in its place, or a new process")
+        raise OSError("it was written over while it was in use, expected a new file in its place, or a new process")
     opened = ctypes.CDLL(f"{path.parent}{'/.' * place}/{path.name}")
     if not any(known):
         before.append(found)
@@ -133,7 +133,7 @@ class Library:
         for each in declared.parameters[: declared.number_of_parameters]:
             name, low, high = _text(each.name), each.low, each.high
             if name in seen or iskeyword(name) or name.startswith("_"):
-                allowed = "allowed is once" if name in seen else "allowed is a name of Python's without _ before it"
+                allowed = "expected once" if name in seen else "expected a name of Python's without _ before it"
                 raise self.refused(f"parameter {quoted(name)} is refused, {allowed}")
             seen.add(name)
             if not name.isidentifier() or not low <= each.value <= high or not math.isfinite(each.value):
@@ -218,7 +218,7 @@ class NativeLaw:
         if not self.row[STATUS]:  # a number is negative that must not be
             shape = shape_of(self._written)
             return shape.negative(self.row[self.outputs : self.given].tolist(), shape.never_negative)
-        return SignalError(f"{self.library.name}: step returned {self.row[STATUS]:g}, allowed is 0")
+        return SignalError(f"{self.library.name}: step returned {self.row[STATUS]:g}, expected 0")
 
     @property
     def state(self) -> list[float]:

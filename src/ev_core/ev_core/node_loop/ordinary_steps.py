@@ -32,7 +32,7 @@ def is_switched_on() -> bool:
     """Whether nodes may have the loop; ParameterError if the variable of the environment is neither 0 nor 1."""
     given = os.environ.get(VARIABLE, "1")
     if given not in ("0", "1"):
-        raise ParameterError(f"{VARIABLE}={quoted(given)} is refused, allowed is 1, or 0 for nodes without their loop")
+        raise ParameterError(f"{VARIABLE}={quoted(given)} is refused, expected 1, or 0 for nodes without their loop")
     return given == "1"
 
 

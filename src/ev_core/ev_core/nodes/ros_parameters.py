@@ -108,7 +108,7 @@ def _asked_for(changes: Sequence[Parameter]) -> dict[str, Any]:
     ours = {change.name: change.value for change in changes if not is_ros_own(change.name)}
     if ours and len(ours) < len(changes):
         own = ", ".join(change.name for change in changes if is_ros_own(change.name))
-        raise ParameterError(f"{own} is refused beside {', '.join(ours)}, allowed is each in a change of its own")
+        raise ParameterError(f"{own} is refused beside {', '.join(ours)}, expected each in a change of its own")
     return ours
 
 

@@ -94,7 +94,7 @@ class TextOfFile(str):
 def refuse_outside(name: str, path: Path) -> None:
     """ParameterError if a file has named a path that leads out of its folder, config folders and working directory."""
     if "\0" in name:
-        raise ParameterError(f"{quoted(str(name))} is refused, allowed is the path of a file")
+        raise ParameterError(f"{quoted(str(name))} is refused, expected the path of a file")
     if isinstance(name, TextOfFile):
         roots = [root.resolve() for root in (name.file.parent, *config_folders(), Path())]
         if not any(path.resolve().is_relative_to(root) for root in roots):
@@ -134,7 +134,7 @@ def open_data(path: Path | str, most: int, is_input: bool = True) -> IO[bytes]:
     Unless it `is_input`, such as of a cache that is made anew without it, `files_read` leaves it out.
     """
     if "\0" in os.fspath(path):
-        raise OSError(errno.EINVAL, "it has a null byte, allowed is the path of a file", str(path))
+        raise OSError(errno.EINVAL, "it has a null byte, expected the path of a file", str(path))
     opened = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
     try:
         found = os.fstat(opened)
@@ -142,7 +142,7 @@ def open_data(path: Path | str, most: int, is_input: bool = True) -> IO[bytes]:
         if found.st_size > most:
             what = what or f"of {found.st_size / MEGABYTE:.0f} MB"
         if what:
-            allowed = f"it is {what}, allowed is a regular file of at most {most // MEGABYTE} MB"
+            allowed = f"it is {what}, expected a regular file of at most {most // MEGABYTE} MB"
             raise OSError(errno.EINVAL, allowed, str(path))
     except BaseException:
         os.close(opened)
@@ -159,7 +159,7 @@ def read_data(path: Path | str, most: int, is_input: bool = True) -> bytes:
     with open_data(path, most, is_input) as file:
         content = file.read(most + 1)
     if len(content) > most:
-        allowed = f"it has more than it says, allowed is a regular file of at most {most // MEGABYTE} MB"
+        allowed = f"it has more than it says, expected a regular file of at most {most // MEGABYTE} MB"
         raise OSError(errno.EFBIG, allowed, str(path))
     return content
 
@@ -227,7 +227,7 @@ def _read(path: Path, columns: tuple[Mapping[str, float], ...], unread: Collecti
         if any(_number(row[place] if place < len(row) else None, name, line) for line, row in rows[1:]):
             raise ParameterError(f"line {rows[0][0]}: column {name} is not read, expected zeros in it, or none")
     if twice := [name for (name,) in found if header.count(name) > 1]:
-        raise ParameterError(f"line {rows[0][0]}: column {twice[0]} stands there twice, allowed is once")
+        raise ParameterError(f"line {rows[0][0]}: column {twice[0]} stands there twice, expected once")
     chosen = [(name, header.index(name), names[name]) for (name,), names in zip(found, columns, strict=True)]
     return [
         tuple(factor * _number(row[place] if place < len(row) else None, name, line) for line, row in rows[1:])

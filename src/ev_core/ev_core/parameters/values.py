@@ -77,7 +77,7 @@ def refuse_undeclared(who: str, parameters: Any) -> None:
     """TypeError, in one line that `who` begins, if a class is not one of declared parameters with allowed defaults."""
     if not isinstance(parameters, type) or not is_dataclass(parameters):
         given = f"class {parameters.__name__}" if isinstance(parameters, type) else type(parameters).__name__
-        raise TypeError(f"{who}: parameters are {given}, allowed is a class marked @dataclass(frozen=True, slots=True)")
+        raise TypeError(f"{who}: parameters are {given}, expected a class marked @dataclass(frozen=True, slots=True)")
     for f in fields(parameters):
         is_group = f.default_factory is not dataclasses.MISSING and is_dataclass(f.default_factory())
         if not is_group and not is_declared(f):
@@ -142,7 +142,7 @@ def _with_unit(entry: Entry, text: str) -> float:
 
 
 def _refused(entry: Entry, value: Any, allowed: str) -> ParameterError:
-    return ParameterError(f"parameter {entry.name}: {quoted(value)} is refused, allowed is {allowed}", entry.name)
+    return ParameterError(f"parameter {entry.name}: {quoted(value)} is refused, expected {allowed}", entry.name)
 
 
 def build(of: type[P], values: Mapping[str, Any], prefix: str = "") -> P:

@@ -68,7 +68,7 @@ def sensor_parameters(unit: str, largest: float) -> type:
 
         def __post_init__(self) -> None:
             if self.lowest > self.highest:
-                raise ParameterError(f"lowest is {self.lowest:g}, allowed is at most highest, {self.highest:g}")
+                raise ParameterError(f"lowest is {self.lowest:g}, expected at most highest, {self.highest:g}")
             for name in ("bias_of_range", "noise_of_range"):
                 if getattr(self, name) != 0.0 and max(-self.lowest, self.highest) >= _NO_RANGE:
                     raise ParameterError(f"{name} needs a range: lowest and highest")

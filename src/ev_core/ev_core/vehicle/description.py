@@ -54,7 +54,7 @@ class Suspension:
         if (self.front_roll_stiffness > 0.0) != (self.rear_roll_stiffness > 0.0):
             raise ParameterError("front_roll_stiffness and rear_roll_stiffness are given both or neither")
         if 0.0 < self.roll_lag < 0.002:
-            raise ParameterError(f"roll_lag is {self.roll_lag:g} s, allowed is 0 or 0.002 to 1 s")
+            raise ParameterError(f"roll_lag is {self.roll_lag:g} s, expected 0 or 0.002 to 1 s")
 
     @property
     def has_roll_stiffness(self) -> bool:
@@ -225,12 +225,12 @@ class Vehicle:
         largest, across = self.maximum_road_wheel_angle, math.atan2(2.0 * self.wheelbase, self.front_track)
         if self.steering_geometry == "ackermann" and largest >= across:
             raise ParameterError(
-                f"maximum_road_wheel_angle: {largest:g} is refused, allowed is below {across:.4g}, where by "
+                f"maximum_road_wheel_angle: {largest:g} is refused, expected below {across:.4g}, where by "
                 "steering_geometry ackermann the inner front wheel stands across the car"
             )
         given = [name for name in ("rolling_resistance", "drag_coefficient") if getattr(self, name) > 0.0]
         if given and self.road_load != RoadLoad():
-            raise ParameterError(f"road_load stands in the place of {' and '.join(given)}, allowed is 0 for both")
+            raise ParameterError(f"road_load stands in the place of {' and '.join(given)}, expected 0 for both")
         refuse_drive_train(self)
         if self.suspension.has_roll_stiffness:
             if self.centre_of_mass_height <= 0.0:
@@ -238,7 +238,7 @@ class Vehicle:
             if not 0.0 <= self.front_share_of_roll <= 1.0:
                 raise ParameterError(
                     f"suspension gives the front axle {self.front_share_of_roll:.3g} of the lateral load transfer, "
-                    "allowed is 0 to 1"
+                    "expected 0 to 1"
                 )
 
     @property

@@ -108,7 +108,7 @@ class Driveline:
                 raise ParameterError(f"{place}: {device} is refused, it is made as {' and '.join(places)} differential")
             if lock and not (made and made[0] <= lock <= made[1]):
                 allowed = f"{made[0]:g} to {made[1]:g}" if made else f"0: K is that of a Torsen or DCCD, not {device}"
-                raise ParameterError(f"{place}_lock: {lock:g} is refused, allowed is {allowed}")
+                raise ParameterError(f"{place}_lock: {lock:g} is refused, expected {allowed}")
         if self.has_one_input:
             if self.coupling == "clutch" and (self.front, self.rear) != ("same", "same"):
                 raise ParameterError("front and rear are refused with coupling clutch, whose clutches are the axles'")

@@ -185,7 +185,7 @@ class Gearbox:
         widest = max((a / b for a, b in pairwise(self.ratios)), default=1.0)
         if self.upshift_speed <= widest * self.downshift_speed:
             raise ParameterError(
-                f"upshift_speed: {self.upshift_speed:g} is refused, allowed is more than {widest:.3g}, the widest step "
+                f"upshift_speed: {self.upshift_speed:g} is refused, expected more than {widest:.3g}, the widest step "
                 "between gears, times downshift_speed: it would shift down again at once"
             )
 

@@ -84,11 +84,11 @@ def refuse_mf_tyre(axle: str, numbers: Sequence[float]) -> None:
     for name in ("fnomin", "pcx1", "pdx1", "pkx1", "pcy1", "pdy1", "pky1", "pky2"):
         value = numbers[MF_NAMES.index(name)]
         if value <= 0.0:
-            raise ParameterError(f"{name.upper()} of the {axle} tyres is {value:g}, allowed is above 0")
+            raise ParameterError(f"{name.upper()} of the {axle} tyres is {value:g}, expected above 0")
     for name, (low, high) in _LIMITS.items():
         value = numbers[MF_NAMES.index(name)]
         if not low <= value <= high:
-            raise ParameterError(f"{name.upper()} of the {axle} tyres is {value:g}, allowed is {low:g} to {high:g}")
+            raise ParameterError(f"{name.upper()} of the {axle} tyres is {value:g}, expected {low:g} to {high:g}")
 
 
 # How many of the coefficients of a curve give no friction unless they are positive.

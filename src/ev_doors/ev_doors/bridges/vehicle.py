@@ -70,7 +70,7 @@ class CommandedDriver(SteppedNode):
     def _obey(self, command: dict[str, float]) -> None:
         wrong = [name for name, value in command.items() if not math.isfinite(value)]
         if wrong:
-            self.reports.note(wrong[0], f"a command is refused: {wrong[0]} is {command[wrong[0]]}, allowed is a number")
+            self.reports.note(wrong[0], f"a command is refused: {wrong[0]} is {command[wrong[0]]}, expected a number")
             return
         for name, value in command.items():
             self.stepper.part.state[self._places[name]] = value

@@ -85,7 +85,7 @@ class Controls:
             elif wish["kind"] == "set":
                 self._set(wish["node"], wish["name"], wish["value"])
             else:
-                raise ValueError(f"wish {quoted(wish['kind'])} is refused, allowed is set or time")
+                raise ValueError(f"wish {quoted(wish['kind'])} is refused, expected set or time")
         except (KeyError, TypeError) as error:
             raise ValueError(f"a wish of a page is refused: {quoted(error)}") from None
 
@@ -155,7 +155,7 @@ class Controls:
 
     def _call(self, service: str) -> None:
         if service not in self._time:
-            raise ValueError(f"service {quoted(service)} is refused, allowed is {', '.join(self._time)}")
+            raise ValueError(f"service {quoted(service)} is refused, expected {', '.join(self._time)}")
         if not self._time[service].service_is_ready():
             raise ValueError(f"{service}: {MASTER} is not there")
         self._ask(

@@ -139,7 +139,7 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
         try:
             wish = json.loads(message)
             if not isinstance(wish, dict):
-                raise ValueError("a wish of a page is refused, allowed is an object")
+                raise ValueError("a wish of a page is refused, expected an object")
             self.pages.obey(wish)
         except RecursionError:
             self.send(line("a wish of a page is refused: it is nested too deeply", refused=True))

@@ -86,7 +86,7 @@ class Content:
         answering, integrating = roles_in_order(run.configurations)
         self.roles = tuple(role for role in (*answering, *integrating) if role not in without)
         if not self.roles:
-            raise ParameterError(f"{run.name}: all roles are left out, allowed is to keep one at least")
+            raise ParameterError(f"{run.name}: all roles are left out, expected to keep one at least")
         self._kept = {role: run.configurations[role] for role in self.roles}
         first = min((answering.index(role) for role in without if role in answering), default=len(answering))
         if any(role in integrating for role in without):

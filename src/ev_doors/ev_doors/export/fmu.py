@@ -67,7 +67,7 @@ def write_fmu(content: Content, fmi: int, targets: Sequence[Target], file: Path)
     ParameterError, in one line, for another name, a file of others there, and a target that has no FMUs.
     """
     if file.suffix != ".fmu":
-        raise ParameterError(f"{file} is refused, allowed is NAME.fmu")
+        raise ParameterError(f"{file} is refused, expected NAME.fmu")
     for target in targets:
         if target.name not in _PLACES:
             raise unknown_name("target of an FMU", target.name, _PLACES)

@@ -51,7 +51,7 @@ class Library:
 
     def __init__(self, content: Content, name: str) -> None:
         if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
-            raise ParameterError(f"name {quoted(name)} is refused, allowed is one of a function in C")
+            raise ParameterError(f"name {quoted(name)} is refused, expected one of a function in C")
         self.content, self.given_name, self.name = content, name, _PREFIX + name
         self.places: list[Place] = []
         state = constants = 0
@@ -160,7 +160,7 @@ def write_library(content: Content, name: str, target: Target, directory: Path) 
     if target.board:
         for role in content.roles:
             if ROLES[role].kind is not RoleKind.ANSWERS:
-                raise ParameterError(f"{role} is refused for target {target.name}, allowed are roles that answer")
+                raise ParameterError(f"{role} is refused for target {target.name}, expected roles that answer")
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
         objects = library.objects(target, folder)

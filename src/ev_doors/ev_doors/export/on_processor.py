@@ -40,7 +40,7 @@ class OnProcessor:
             raise unknown_name("role", role, run.configurations)
         configuration = run.configurations[role]
         if ROLES[role].kind is not RoleKind.ANSWERS:
-            raise ParameterError(f"processor: {role} is refused, allowed are roles that answer")
+            raise ParameterError(f"processor: {role} is refused, expected roles that answer")
         if restarts(configuration):
             raise ParameterError(f"processor: {role} has a fault `restarted`, which a program elsewhere cannot have")
         method = configuration.method
@@ -105,7 +105,7 @@ def _words(command: str) -> list[str]:
     except ValueError as error:
         raise ParameterError(f"processor {quoted(command)} is refused: {str(error).lower()}") from None
     if not words or not words[0]:
-        raise ParameterError(f"processor {quoted(command)} is refused, allowed is the command of a program")
+        raise ParameterError(f"processor {quoted(command)} is refused, expected the command of a program")
     return words
 
 
@@ -142,7 +142,7 @@ class ProcessorPart(CalledBack):
             there.numbers[place] = value
         self.refuse_not_finite(there)
         if status:
-            raise SignalError(f"{self._on.role} on {self._on.where}: status {status}, allowed is 0")
+            raise SignalError(f"{self._on.role} on {self._on.where}: status {status}, expected 0")
 
     def refuse_not_finite(self, there: Frame) -> None:
         """SignalError if a number that it wrote is not finite."""

@@ -212,7 +212,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             raise ParameterError("step is refused before the first reset, expected is reset() before it")
         if np.shape(action) != self.action_space.shape:
             allowed = f"{self.action_space.shape}, of {', '.join(self.channels)}"
-            raise ParameterError(f"action of shape {np.shape(action)} is refused, allowed is {allowed}")
+            raise ParameterError(f"action of shape {np.shape(action)} is refused, expected {allowed}")
         values = np.asarray(action)
         if values.dtype.kind not in "fiub" or not np.isfinite(values).all():
             raise ParameterError(f"action {quoted(str(values.tolist()))} is refused, expected are finite numbers")

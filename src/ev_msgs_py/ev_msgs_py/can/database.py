@@ -49,14 +49,14 @@ class FrameLayout:
         for name, field in self.signals.items():
             value = values[name]
             if math.isnan(value):
-                raise ValueError(f"{self.name}: {name} is nan, allowed is {field.low:g} to {field.high:g}")
+                raise ValueError(f"{self.name}: {name} is nan, expected {field.low:g} to {field.high:g}")
             payload = inserted(payload, field, value)
         return payload
 
     def pack(self, values: Mapping[str, float], counter: int) -> bytes:
         """The data of the frame, protected; ValueError as `payload`, and for a counter that is none."""
         if counter not in range(COUNTERS):
-            raise ValueError(f"{self.name}: counter {counter} is refused, allowed is 0 to {COUNTERS - 1}")
+            raise ValueError(f"{self.name}: counter {counter} is refused, expected 0 to {COUNTERS - 1}")
         return self.data(protected(self.payload(values), self.length, self.data_id, counter))
 
     def data(self, payload: int) -> bytes:
@@ -129,7 +129,7 @@ def _refuse_what_unfolds(text: str) -> None:
         raise ParameterError("only classic frames with 11 bits and no multiplexing are spoken")
     for found in _SIZES.finditer(bare):
         if any(len(size) > 3 or int(size) > _MOST_BITS for size in found.groups("0")):
-            raise ParameterError(f"{quoted(found[0])} is refused, allowed are frames of 8 bytes and the bits in them")
+            raise ParameterError(f"{quoted(found[0])} is refused, expected frames of 8 bytes and the bits in them")
 
 
 def _layout(message: Message) -> FrameLayout:
@@ -146,7 +146,7 @@ def _layout(message: Message) -> FrameLayout:
     data_id = attributes["E2EDataId"].value
     if data_id not in _DATA_IDS:
         raise ParameterError(
-            f"frame {message.name}: E2EDataId {quoted(data_id)} is refused, allowed is 0 to {_DATA_IDS[-1]}"
+            f"frame {message.name}: E2EDataId {quoted(data_id)} is refused, expected 0 to {_DATA_IDS[-1]}"
         )
     signals = {name: _field(message.name, signal) for name, signal in found.items() if name not in GUARDS}
     return FrameLayout(
@@ -172,7 +172,7 @@ def _field(frame: str, signal: Signal) -> BitField:
     scale, offset, low, high = (float(n) for n in (signal.scale, signal.offset, signal.minimum, signal.maximum))
     if not (_SMALLEST <= scale <= _LARGEST and abs(offset) <= _LARGEST):
         raise ParameterError(
-            f"frame {frame}, signal {signal.name}: scale {scale:g} and offset {offset:g} are refused, allowed is "
+            f"frame {frame}, signal {signal.name}: scale {scale:g} and offset {offset:g} are refused, expected "
             f"{_SMALLEST:g} to {_LARGEST:g} and at most {_LARGEST:g}"
         )
     least = -(1 << signal.length - 1) if signal.is_signed else 0

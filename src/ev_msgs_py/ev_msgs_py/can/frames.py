@@ -250,7 +250,7 @@ def _common(database: Database, kind: str, of: type) -> Any:
     for device in DEVICES:
         other = database[f"{device}_{kind}"]
         if (other.length, other.cycle, other.signals) != (first.length, first.cycle, first.signals):
-            raise ParameterError(f"frame {other.name} differs from {first.name}; allowed is one layout for all devices")
+            raise ParameterError(f"frame {other.name} differs from {first.name}; expected one layout for all devices")
     return _layout(first, of)
 
 

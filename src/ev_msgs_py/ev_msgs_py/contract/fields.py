@@ -113,7 +113,7 @@ class Shape:
                 raise SignalError(f"{self.signal.__name__}.{channel} is {value}, only finite numbers are allowed")
             if single and not math.isfinite(rounded(value)):
                 raise SignalError(
-                    f"{self.signal.__name__}.{channel} is {value}, allowed is what single precision holds, up to 3.4e38"
+                    f"{self.signal.__name__}.{channel} is {value}, expected what single precision holds, up to 3.4e38"
                 )
 
     def without_sign(self, values: Sequence[float], places: Sequence[int]) -> Sequence[float]:

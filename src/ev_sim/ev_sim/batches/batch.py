@@ -147,7 +147,7 @@ class Runs:
             raise ParameterError(f"run {run}: {role}: {error}") from None
         state = self._initial_states[role][run] if role in self._initial_states else part.state
         if any(text.split()[0] == "restarted" for text in configuration.faults):
-            raise ParameterError(f"{role} faults: restarted is refused in a batch, allowed are all other kinds")
+            raise ParameterError(f"{role} faults: restarted is refused in a batch, expected all other kinds")
         writes = frame.span(configuration.method.writes)
         placed, rows = [_Placed(role, writes, part, state.copy())], row_parts(configuration)
         if rows and whole and (truth := whole.truth_of(role)):
@@ -157,7 +157,7 @@ class Runs:
 
 def _refuse_states(role: str, states: np.ndarray, size: int) -> None:
     if states.shape[1] != size:
-        raise ParameterError(f"initial_states of {role} have {states.shape[1]} numbers, allowed are {size}")
+        raise ParameterError(f"initial_states of {role} have {states.shape[1]} numbers, expected {size}")
     for run in np.flatnonzero(~np.isfinite(states).all(axis=1)):
         raise ParameterError(f"initial_states of {role} are not finite in run {run}")
 
@@ -221,15 +221,15 @@ def batch(
     variation = Variation(configurations, vary or {}, {role: len(rows) for role, rows in states.items()})
     _refuse_channels(configurations, [*signals, *(reduction.channel for reduction in reductions.values())])
     if isinstance(every, bool) or not isinstance(every, int) or every < 1:
-        raise ParameterError(f"every: {every!r} is refused, allowed is a whole number of periods, at least 1")
+        raise ParameterError(f"every: {every!r} is refused, expected a whole number of periods, at least 1")
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
         raise ParameterError(f"threads: {threads!r} is refused, expected is a whole number, at least 1")
     if ending and reductions:
-        raise ParameterError("reductions are refused for runs that may end before, allowed are metrics of whole runs")
+        raise ParameterError("reductions are refused for runs that may end before, expected metrics of whole runs")
     period = next(iter(configurations.values())).period
     times = np.array([stamps.to_seconds(n * period) for n in range(stamps.from_seconds(duration) // period + 1)])
     if not len(times):
-        raise ParameterError(f"duration: {duration!r} is refused, allowed is 0 s or more")
+        raise ParameterError(f"duration: {duration!r} is refused, expected 0 s or more")
     observation = Observation(signals, every, tuple(reductions.values()), variation.runs, len(times))
     measures = WholeRuns(texts, configurations, variation.runs, times, hashes) if texts or hashes or ending else None
     runs = Runs(configurations, variation, states, observation, times, measures, ending)

@@ -33,7 +33,7 @@ class Variation:
         lengths.update({f"initial_states of {role}": count for role, count in runs.items()})
         if len(set(lengths.values())) > 1:
             listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
-            raise ParameterError(f"numbers of runs differ: {listed}; allowed is one number of values for all")
+            raise ParameterError(f"numbers of runs differ: {listed}; expected one number of values for all")
         self.names = tuple(columns)
         self.runs = next(iter(lengths.values()), 1)
         self._by_role: dict[str, dict[str, Sequence[Any]]] = {role: {} for role in configurations}
@@ -57,7 +57,7 @@ class Variation:
             listed = [each for each in known if each not in fixed and each.startswith(_SENSORS) == is_sensor]
             raise unknown_name(f"parameter of {role}", parameter, listed)
         if parameter.startswith(_VEHICLE) and not for_all:
-            raise ParameterError(f"{name} is refused: allowed is {EVERY_ROLE}.{parameter}, one for all roles")
+            raise ParameterError(f"{name} is refused: expected {EVERY_ROLE}.{parameter}, one for all roles")
 
     def configurations(self, role: str) -> list[Configuration] | None:
         """Those of a role in all runs, None if nothing that matters differs; ParameterError if a value is refused."""

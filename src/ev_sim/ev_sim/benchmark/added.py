@@ -50,7 +50,7 @@ def with_added(board: Board, words: Sequence[str]) -> tuple[Board, list[str]]:
         code, _, chosen = law.partition(":")
         name = Path(file).stem if file else chosen or (Path(code).stem if is_code(law) else law)
         if name in laws:
-            raise ParameterError(f"--add {quoted(word)}: the board has a law {quoted(name)}, allowed is another name")
+            raise ParameterError(f"--add {quoted(word)}: the board has a law {quoted(name)}, expected another name")
         laws[name] = {**(board.laws.get(law) or _with_method(board, law)), **(_parameters(file) if file else {})}
     return replace(board, laws=laws), [name for name in laws if name not in board.laws]
 
@@ -73,7 +73,7 @@ def _parameters(file: str) -> dict[str, Any]:
         found |= {f"{role}.{name}": value for name, value in of_role.items()}
     if not found:
         sections = " or ".join(f"/**/{role}" for role in (ROLE, *FURTHER))
-        raise ParameterError(f"{file}: no parameters of a law, allowed is a section {sections}")
+        raise ParameterError(f"{file}: no parameters of a law, expected a section {sections}")
     return found
 
 
@@ -123,11 +123,9 @@ def _refuse_variation(variation: Variation, driven: Mapping[str, Configuration])
         VariedRuns(driven, {variation.parameter: [None]}, {})  # the names alone
     if role in (ROLE, *FURTHER) and parameter in flatten(driven[role].parameters):
         if parameter in BELIEF:
-            raise ParameterError(f"it is what a law believes of the friction, allowed is {TOLD_FRICTION}")
+            raise ParameterError(f"it is what a law believes of the friction, expected {TOLD_FRICTION}")
         if variation.factor:
-            raise ParameterError(
-                "it is a number of a law, of which each has its own, allowed is value, count or choice"
-            )
+            raise ParameterError("it is a number of a law, of which each has its own, expected value, count or choice")
     of_car = value_in(driven, variation.parameter) if variation.factor else 1.0
     declared = {each.name: each for each in driven[MASTER if role == EVERY_ROLE else role].entries()}[parameter]
     for end in variation.choice or variation.count or [of_car * float(each) for each in variation.bounds]:

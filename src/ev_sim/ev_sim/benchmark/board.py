@@ -180,9 +180,9 @@ def by_role(law: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 def _refuse(board: Board, path: Path) -> None:
     """ParameterError for names that nothing declares, and for bounds that are none."""
     if not 1 <= board.draws <= 100_000:
-        raise ParameterError(f"draws is {board.draws}, allowed is 1 to 100000")
+        raise ParameterError(f"draws is {board.draws}, expected 1 to 100000")
     if board.seed < 0 or not 0.0 < board.unstable <= 1.57:  # beyond it a car slides backwards
-        raise ParameterError(f"seed is {board.seed}, unstable {board.unstable}, allowed is 0 or more, above 0 to 1.57")
+        raise ParameterError(f"seed is {board.seed}, unstable {board.unstable}, expected 0 or more, above 0 to 1.57")
     refuse_unknown("reference", [board.reference], board.laws)
     kept = {name: cases for name in CASES if (cases := getattr(board, name))}
     cars = [*board.cars, *(car for cases in kept.values() for car in cases.cars)]
@@ -192,7 +192,7 @@ def _refuse(board: Board, path: Path) -> None:
     for name, cases in kept.items():
         for bounds in (cases.friction, cases.stiffness):
             if len(bounds) != 2 or not 0.0 < bounds[0] <= bounds[1] <= 2.0:
-                raise ParameterError(f"{name} has the bounds {bounds}, allowed are two numbers that rise, above 0 to 2")
+                raise ParameterError(f"{name} has the bounds {bounds}, expected two numbers that rise, above 0 to 2")
     for name, road in board.roads.items():
         if not len(road.left) == len(road.right) == len(road.length) + 1:
             raise ParameterError(f"road {name} needs as many surfaces left as right, and a length for all but the last")
@@ -211,25 +211,25 @@ def _refuse(board: Board, path: Path) -> None:
     refuse_unknown("law of tuned", list(board.tuned), board.laws)
     for name, patterns in board.tuned.items():
         if not (isinstance(patterns, list) and all(is_of(each, "str") for each in patterns)):
-            raise ParameterError(f"tuned has {name} with {quoted(str(patterns))}, allowed is a list of texts")
+            raise ParameterError(f"tuned has {name} with {quoted(str(patterns))}, expected a list of texts")
     refuse_unknown("law of closed", board.closed, board.laws)
     alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
     if len(alike) > 1:
-        raise ParameterError(f"closed has laws that differ in one of {', '.join(_ALIKE)}, allowed are equal ones")
+        raise ParameterError(f"closed has laws that differ in one of {', '.join(_ALIKE)}, expected equal ones")
 
 
 def _refuse_variation(variation: Variation) -> None:
     bounds, who = [*variation.factor, *variation.value, *variation.count], f"variation of {variation.parameter}"
     if bounds if variation.choice else not _rise(bounds):
         raise ParameterError(
-            f"{who} has the bounds {bounds}, allowed are two that rise, of one of factor, value, count, or a choice"
+            f"{who} has the bounds {bounds}, expected two that rise, of one of factor, value, count, or a choice"
         )
     if variation.parameter == MOTOR_FAULT:
         shares, begin = variation.value, variation.begin
         if not (_rise(shares) and shares[0] >= 0.0 and shares[1] <= 1.0 and _rise(begin) and begin[0] >= 0.0):
-            raise ParameterError(f"{who} needs value and begin, allowed are two shares within 0 to 1 and two times")
+            raise ParameterError(f"{who} needs value and begin, expected two shares within 0 to 1 and two times")
         if not 0.0 <= variation.probability <= 1.0:
-            raise ParameterError(f"{who} has the probability {variation.probability}, allowed is 0 to 1")
+            raise ParameterError(f"{who} has the probability {variation.probability}, expected 0 to 1")
     elif variation.begin or variation.probability != 1.0:
         raise ParameterError(f"{who} has begin or probability, allowed for {MOTOR_FAULT} alone")
 
@@ -256,9 +256,9 @@ def _refuse_metrics(scales: Mapping[str, float], name: str, manoeuvre: Manoeuvre
 
 def _refuse_search(name: str, manoeuvre: Manoeuvre) -> None:
     if manoeuvre.entry_speed and manoeuvre.speed_scale:
-        raise ParameterError(f"{name} has entry_speed and speed_scale, allowed is one of them")
+        raise ParameterError(f"{name} has entry_speed and speed_scale, expected one of them")
     what, bounds = "speed_scale" if manoeuvre.speed_scale else "entry_speed", manoeuvre.searched
     if bounds and not (len(bounds) == 2 and 0.0 < bounds[0] < bounds[1] and 1 <= manoeuvre.halvings <= 30):
-        raise ParameterError(f"{what} of {name} is {bounds}, allowed are two numbers that rise, and 1 to 30 halvings")
+        raise ParameterError(f"{what} of {name} is {bounds}, expected two numbers that rise, and 1 to 30 halvings")
     if not manoeuvre.entry_speed and ENTRY_SPEED in manoeuvre.measured:
         raise ParameterError(f"entry_speed of {name} is measured, allowed with the bounds entry_speed: [LOW, HIGH]")

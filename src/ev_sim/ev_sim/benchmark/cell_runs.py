@@ -59,7 +59,7 @@ def _refuse_twice(who: str, names: Iterable[str], others: Sequence[str]) -> None
         role, _, parameter = name.partition(".")
         role_of_other, _, same = other.partition(".")
         if parameter == same and (role == role_of_other or EVERY_ROLE in (role, role_of_other)):
-            raise ParameterError(f"{who} {name}, and {other} is varied already, allowed is one of them")
+            raise ParameterError(f"{who} {name}, and {other} is varied already, expected one of them")
 
 
 def _layout_and_road(board: Board, cell: Cell) -> dict[str, Any]:

@@ -99,4 +99,4 @@ def _refuse_lost(
     for name in sorted(names):
         role, _, parameter = name.partition(".")
         if role in playing and playing[role].values().get(parameter) != run[role].values().get(parameter):
-            raise ParameterError(f"{who} sets {name}, which law {law} does not take over, allowed is in the law")
+            raise ParameterError(f"{who} sets {name}, which law {law} does not take over, expected in the law")

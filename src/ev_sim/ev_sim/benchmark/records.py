@@ -22,7 +22,7 @@ _KINDS: dict[str, tuple[str, tuple[type, ...]]] = {
 def mapping(what: str, content: Any) -> Mapping[str, Any]:
     """The content, ParameterError if it is no mapping."""
     if not isinstance(content, Mapping):
-        raise ParameterError(f"{what} is {_shown(content)}, allowed is a mapping")
+        raise ParameterError(f"{what} is {_shown(content)}, expected a mapping")
     return content
 
 
@@ -47,7 +47,7 @@ def record(of: type[T], what: str, content: Any) -> T:
         elements = value if kind == "list" and isinstance(value, list) else ()
         if not is_of(value, kind) or not all(is_of(each, inner) for each in elements):
             allowed = _allowed(kind) + (f", each element {_allowed(inner)}" if kind == "list" else "")
-            raise ParameterError(f"{name} of {what} is {_shown(value)}, allowed is {allowed}")
+            raise ParameterError(f"{name} of {what} is {_shown(value)}, expected {allowed}")
     return of(**stated)
 
 

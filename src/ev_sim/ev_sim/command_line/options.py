@@ -93,7 +93,7 @@ def _seconds(text: str) -> float:
     try:
         return float(text) if found is None else found
     except ValueError:
-        allowed = "allowed is a number of seconds or such as '5 s'"
+        allowed = "expected a number of seconds or such as '5 s'"
         raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, {allowed}") from None
 
 
@@ -132,7 +132,7 @@ def printing(given: argparse.Namespace) -> Print:
 def _formats(text: str) -> tuple[str, ...]:
     formats = tuple(dict.fromkeys(text.split(",")))
     if not set(FORMATS).issuperset(formats):
-        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, allowed is pdf, svg or pdf,svg")
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, expected pdf, svg or pdf,svg")
     return formats
 
 
@@ -179,7 +179,7 @@ def overrides(given: argparse.Namespace) -> Overrides:
 def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:
     left, found, right = word.partition(mark)
     if not (left and found and right):
-        raise ParameterError(f"{option} {quoted(word)} is refused, allowed is {form}")
+        raise ParameterError(f"{option} {quoted(word)} is refused, expected {form}")
     return left, right
 
 

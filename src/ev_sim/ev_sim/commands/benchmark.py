@@ -49,7 +49,7 @@ def run_benchmark(argv: Sequence[str]) -> None:
     given = _parser().parse_args(argv)
     begin = time.monotonic()
     if given.secret and given.board:
-        raise ParameterError(f"--secret {quoted(given.secret)} is a board, allowed is no other one beside it")
+        raise ParameterError(f"--secret {quoted(given.secret)} is a board, expected no other one beside it")
     board, added = with_added(_asked(read_board(given.secret or given.board or "small"), given), given.add)
     laws = _laws(board, given.laws, added)
     check_laws(board, laws, added)
@@ -168,13 +168,13 @@ def _drive_alone(board: Board, given: argparse.Namespace) -> None:
     law, found, number = given.drive.rpartition(":")
     if not found or not number.isdecimal() or int(number) >= board.draws:
         raise ParameterError(
-            f"--drive {quoted(given.drive)} is refused, allowed is LAW:DRAW with a draw from 0 to {board.draws - 1}"
+            f"--drive {quoted(given.drive)} is refused, expected LAW:DRAW with a draw from 0 to {board.draws - 1}"
         )
     if law not in board.laws:
         raise unknown_name("law", law, board.laws)
     cells = board.cells(given.cells)
     if len(cells) > 1:
-        raise ParameterError(f"--drive is for one cell, {len(cells)} fit {quoted(given.cells)}; allowed is --cells ID")
+        raise ParameterError(f"--drive is for one cell, {len(cells)} fit {quoted(given.cells)}; expected --cells ID")
     runs = laws_in_cell(board, cells[0], [law])[law].only(int(number))
     ((_, *words),), _ = drive_law(replace(board, draws=1), cells[0], runs)
     words += ["--offline"] * given.offline + ["--in-process"] * given.in_process + ["--no-report"] * given.no_report
@@ -204,7 +204,7 @@ def _asked(board: Board, given: argparse.Namespace) -> Board:
     for name, least in (("draws", 1), ("seed", 0), ("workers", 1), ("held_out", 0)):
         if getattr(given, name) is not None and getattr(given, name) < least:
             option = f"--{name.replace('_', '-')} {getattr(given, name)}"
-            raise ParameterError(f"{option} is refused, allowed is {least} or more")
+            raise ParameterError(f"{option} is refused, expected {least} or more")
     if given.held_out is not None and given.seed is not None:
         raise ParameterError("--seed is refused beside --held-out: one seed makes cars, roads and draws")
     changed = {name: getattr(given, name) for name in ("draws", "seed") if getattr(given, name) is not None}

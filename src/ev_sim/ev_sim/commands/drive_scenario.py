@@ -89,7 +89,7 @@ def _refuse_without_ros(given: argparse.Namespace) -> None:
             raise RunFailed("nodes need ROS 2 (rclpy), which is not installed here: --offline --no-record needs none")
         middleware = os.environ.get(_MIDDLEWARE, "")
         if middleware not in ("", "rmw_fastrtps_cpp") and not _can_be_loaded():
-            raise RunFailed(f"{_MIDDLEWARE}={quoted(middleware)} is refused, allowed is one that is installed, or none")
+            raise RunFailed(f"{_MIDDLEWARE}={quoted(middleware)} is refused, expected one that is installed, or none")
         if os.access(_SHARED_MEMORY, os.W_OK) and shutil.disk_usage(_SHARED_MEMORY).free < _ROOM:
             raise RunFailed(f"{_SHARED_MEMORY} is full: the libraries of ROS 2 need {_ROOM} bytes there")
     if not given.no_record and None in (find_spec("rosbags"), find_spec("sensor_msgs")):

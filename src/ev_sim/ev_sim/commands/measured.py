@@ -248,7 +248,7 @@ def _part(text: str) -> tuple[float, float]:
     except ValueError:
         begin, end = 0.0, 0.0
     if not 0.0 <= begin < end <= 1.0:
-        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, allowed is A:B with 0 <= A < B <= 1")
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, expected A:B with 0 <= A < B <= 1")
     return begin, end
 
 
@@ -268,7 +268,7 @@ def _parted(changed: Overrides, with_estimators: bool) -> tuple[Overrides, dict[
 
 def _replay(given: argparse.Namespace, record: MeasuredRecord, windows: Windows, changed: Overrides) -> OpenLoop:
     if given.duration is not None:
-        raise ParameterError("--duration is refused: a replay lasts as long as its windows, allowed is --window")
+        raise ParameterError("--duration is refused: a replay lasts as long as its windows, expected --window")
     if given.vehicle is None:
         raise ParameterError("--vehicle is missing: which car?")
     refuse_own(changed, given.impose)

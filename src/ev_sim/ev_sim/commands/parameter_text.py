@@ -32,7 +32,7 @@ def parameter_of(name: str, kind: Parameter.Type, value: Any) -> Parameter:
         return Parameter(name, value=_alike(given, float if float in kinds else next(iter(kinds), str)))
     except (TypeError, ValueError, OverflowError, yaml.YAMLError):
         allowed = kind.name.lower() if kind in _KINDS else "an array in brackets, [] for an empty one"
-        raise ValueError(f"{quoted(value)} is refused, allowed is {allowed}") from None
+        raise ValueError(f"{quoted(value)} is refused, expected {allowed}") from None
 
 
 def _read(text: str) -> Any:

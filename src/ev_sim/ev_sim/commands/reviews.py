@@ -116,7 +116,7 @@ def run_figures(argv: Sequence[str]) -> None:
     given = parser.parse_args(argv)
     for source in given.only:
         if source not in sources():
-            raise ParameterError(f"--only {source} is refused, allowed is {', '.join(sources())}")
+            raise ParameterError(f"--only {source} is refused, expected {', '.join(sources())}")
     start = time.monotonic()
     shown = {source: panels(source) for source in sources() if not given.only or source in given.only}
     every = [(source, panel) for source, of_source in shown.items() for panel in of_source]
@@ -178,7 +178,7 @@ def _meant(role: str, text: str) -> tuple[str, list[str]]:
         if is_code(text):
             return text, []
         methods = f"a method ({', '.join(known)})" if known else "a method"
-        raise ParameterError(f"--node {role}={text} is refused, allowed is {methods}, a library, law file or program")
+        raise ParameterError(f"--node {role}={text} is refused, expected {methods}, a library, law file or program")
     return "", words
 
 
@@ -216,7 +216,7 @@ def read_folder(label: str, folder: Path) -> tuple[Mapping[str, Any], Signals]:
     except (OSError, ValueError, RecursionError) as error:
         raise ParameterError(f"{folder}: summary.json cannot be read: {error}") from None
     if not isinstance(summary, dict) or "scenario" not in summary:
-        raise ParameterError(f"{folder} is that of a study, which keeps no signals; allowed is that of a scenario")
+        raise ParameterError(f"{folder} is that of a study, which keeps no signals; expected that of a scenario")
     try:
         return summary, _signals(label, folder, summary)
     except (LookupError, TypeError, AttributeError, ParameterError) as error:
@@ -228,6 +228,6 @@ def read_folder(label: str, folder: Path) -> tuple[Mapping[str, Any], Signals]:
 def _signals(label: str, folder: Path, summary: Mapping[str, Any]) -> Signals:
     names = list(summary["runs"])
     if outside := [name for name in names if not stays_within(name)]:
-        raise ParameterError(f"run {quoted(outside[0])} is refused, allowed is the name of a folder there")
+        raise ParameterError(f"run {quoted(outside[0])} is refused, expected the name of a folder there")
     runs = {name: load((folder if len(names) == 1 else folder / name) / SIGNALS) for name in names}
     return Signals(label, runs, build(Vehicle, summary["vehicle"]))

@@ -38,7 +38,7 @@ def run_tune(argv: Sequence[str]) -> None:
     given = _parser().parse_args(argv)
     for name, least in (("draws", 1), ("seed", 0), ("threads", 1), ("budget", 2), ("finalists", 1)):
         if getattr(given, name) is not None and getattr(given, name) < least:
-            raise ParameterError(f"--{name} {getattr(given, name)} is refused, allowed is {least} or more")
+            raise ParameterError(f"--{name} {getattr(given, name)} is refused, expected {least} or more")
     board = replace(read_board(given.board), draws=given.draws)
     laws = list(board.tuned) if given.laws == [ALL] else list(dict.fromkeys(given.laws))
     others = [law for law in laws if law not in board.laws]

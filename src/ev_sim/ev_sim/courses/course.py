@@ -61,8 +61,7 @@ class CourseParameters:
             if not _NEAREST <= distance <= _FARTHEST:
                 after = f"{number + 2}" if number + 1 < len(points) else "the first one, with which it closes,"
                 raise ParameterError(
-                    f"point {after} is {distance:.3g} m behind the one before, allowed are {_NEAREST:g} to "
-                    f"{_FARTHEST:g} m"
+                    f"point {after} is {distance:.3g} m behind the one before, expected {_NEAREST:g} to {_FARTHEST:g} m"
                 )
         _refuse_folds(self)
 
@@ -80,9 +79,7 @@ def with_course_from_file(parameters: CourseParameters) -> CourseParameters:
         _refuse_number(len(columns[0]))
         for number, widths in enumerate(zip(*columns[2:], strict=True)):
             if min(widths) < 0.0:
-                raise ParameterError(
-                    f"point {number + 1}: a width of {min(widths):g} m is refused, allowed is 0 or more"
-                )
+                raise ParameterError(f"point {number + 1}: a width of {min(widths):g} m is refused, expected 0 or more")
         with np.errstate(all="ignore"):  # what overflows is out of range
             placed = _placed(*columns)
         return build(CourseParameters, {**flatten(parameters), "file": "", **placed})
@@ -143,4 +140,4 @@ def _refuse_folds(course: CourseParameters) -> None:
 
 def _refuse_number(points: int) -> None:
     if not _FEWEST <= points <= _MOST:
-        raise ParameterError(f"{points} points are no course, allowed are {_FEWEST} to {_MOST}")
+        raise ParameterError(f"{points} points are no course, expected {_FEWEST} to {_MOST}")

@@ -45,7 +45,7 @@ def racing_line(course: CourseParameters, track: float) -> RacingLine:
     if (narrow := np.flatnonzero(bound <= 0.0)).size:
         least = track + 2.0 * course.clearance
         raise ParameterError(
-            f"course: the road is {2.0 * half[narrow[0]]:.3g} m wide at point {narrow[0] + 1}, allowed is more than "
+            f"course: the road is {2.0 * half[narrow[0]]:.3g} m wide at point {narrow[0] + 1}, expected more than "
             f"{least:.3g} m: track, and course.clearance on both sides"
         )
     across = normals(middle)
@@ -100,7 +100,7 @@ def _least_curvature(middle: np.ndarray, across: np.ndarray, bound: np.ndarray) 
         share = _BACK * min(_most(to_low, step), _most(to_high, -step), 1.0 / _BACK)
         dual = _BACK * min(_most(low, low_step), _most(high, high_step), 1.0 / _BACK)
         a, low, high = a + share * step, low + dual * low_step, high + dual * high_step
-    raise ParameterError("course: no line of least curvature was found, allowed is a smoother course")
+    raise ParameterError("course: no line of least curvature was found, expected a smoother course")
 
 
 def _dot(one: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -44,7 +44,7 @@ class PathParameters:
         if len(self.x) != len(self.y) or len(self.x) < 2:
             raise ParameterError("x and y need the same number of elements, at least two")
         if any(a == b for a, b in pairwise(zip(self.x, self.y, strict=True))):
-            raise ParameterError("x and y repeat a waypoint, allowed are points apart from each other")
+            raise ParameterError("x and y repeat a waypoint, expected points apart from each other")
         if len(self.length) != len(self.curvature) or not self.length:
             raise ParameterError("length and curvature need the same number of elements, at least one")
 

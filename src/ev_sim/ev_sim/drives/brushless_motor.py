@@ -196,7 +196,7 @@ class AveragedDriveParameters:
     def __post_init__(self) -> None:
         if self.sampling_period * self.current_controller.bandwidth > 1.0:
             raise ParameterError(
-                f"current_controller.bandwidth: {self.current_controller.bandwidth!r} is refused, allowed is at most "
+                f"current_controller.bandwidth: {self.current_controller.bandwidth!r} is refused, expected at most "
                 f"1 / sampling_period = {1 / self.sampling_period:g} rad/s, beyond which the sampled loop overshoots"
             )
 

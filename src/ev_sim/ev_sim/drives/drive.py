@@ -57,7 +57,7 @@ class SwitchedDriveParameters:
     def __post_init__(self) -> None:
         if self.current_controller.bandwidth > self.pwm_frequency:
             raise ParameterError(
-                f"current_controller.bandwidth: {self.current_controller.bandwidth!r} is refused, allowed is at most "
+                f"current_controller.bandwidth: {self.current_controller.bandwidth!r} is refused, expected at most "
                 f"pwm_frequency = {self.pwm_frequency:g} in rad/s, beyond which the sampled loop overshoots"
             )
 

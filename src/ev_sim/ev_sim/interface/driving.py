@@ -106,13 +106,11 @@ def overrides(
     for place, value in (set or {}).items():
         node, _, parameter = place.partition(".")
         if not parameter:
-            raise ParameterError(f"set: {quoted(place)} is refused, allowed is NODE.PARAMETER")
+            raise ParameterError(f"set: {quoted(place)} is refused, expected NODE.PARAMETER")
         values.append((node, parameter, value))
     seconds = number_of(duration, "s") if isinstance(duration, str) else duration
     if duration is not None and (isinstance(seconds, bool) or not isinstance(seconds, int | float)):
-        raise ParameterError(
-            f"duration: {quoted(duration)} is refused, allowed is a number of seconds or such as '5 s'"
-        )
+        raise ParameterError(f"duration: {quoted(duration)} is refused, expected a number of seconds or such as '5 s'")
     car, of_cycle = fspath(vehicle) if vehicle else None, None if cycle is None else fspath(cycle)
     return Overrides.of(values, seed, seconds, car, [Path(path) for path in params], of_cycle)
 

@@ -40,7 +40,7 @@ class SteppedLaw:
     def __init__(self, configuration: Configuration) -> None:
         if ROLES[configuration.role].kind is not RoleKind.ANSWERS:
             answering = [role.name for role in ROLES.values() if role.kind is RoleKind.ANSWERS]
-            raise ParameterError(f"{configuration.role} integrates, allowed is one of {', '.join(answering)}")
+            raise ParameterError(f"{configuration.role} integrates, expected one of {', '.join(answering)}")
         self._configuration = configuration
         self._part = part_of(configuration, compiled=True)
         self._here = np.zeros(frame.SIZE)
@@ -130,7 +130,7 @@ class Simulation:
     ) -> None:
         changed = overrides(method, set, seed, duration, vehicle, params, cycle)
         if isinstance(scenario, Run) and (run or changed != overrides()):
-            raise ParameterError(f"run {scenario.name} is configured already, allowed is a name or path with changes")
+            raise ParameterError(f"run {scenario.name} is configured already, expected a name or path with changes")
         of = scenario if isinstance(scenario, Run) else only_run(scenario, run, changed)
         for role in without:
             if role not in of.configurations:
@@ -194,7 +194,7 @@ class Simulation:
             if name not in self._inputs:
                 raise unknown_name("input", name, self.inputs)
             if not math.isfinite(value):
-                raise ParameterError(f"input {name}: {quoted(value)} is refused, allowed is a finite number")
+                raise ParameterError(f"input {name}: {quoted(value)} is refused, expected a finite number")
             if self._inputs[name] in frame.UNSIGNED_COMMANDS and value < -NEGLIGIBLE:
                 raise ParameterError(f"input {name}: {quoted(value)} is refused, expected 0 or more")
         for name, value in (inputs or {}).items():
@@ -261,12 +261,12 @@ class Simulation:
     @state.setter
     def state(self, saved: SimulationState) -> None:
         if not isinstance(saved, SimulationState):
-            raise ParameterError(f"state: {quoted(saved)} is refused, allowed is the state of a Simulation")
+            raise ParameterError(f"state: {quoted(saved)} is refused, expected the state of a Simulation")
         here = self._of()
         for what in {**here, **saved.of}:
             if here.get(what) != saved.of.get(what):
                 was, there_is = quoted(saved.of.get(what, "none")), quoted(here.get(what, "none"))
-                raise ParameterError(f"state: {what} was {was}, here it is {there_is}; allowed is the same")
+                raise ParameterError(f"state: {what} was {was}, here it is {there_is}; expected the same")
         configurations, parts = {**self.configurations}, {**self._parts}
         for role, seed in saved.seeds.items():
             if configurations[role].common.seed != seed:
@@ -280,7 +280,7 @@ class Simulation:
         for role, part, state in states:
             size, fits = np.size(state), np.size(part.state)
             if size != fits:
-                raise ParameterError(f"state: {role} had {size} numbers, here it has {fits}; allowed is as many")
+                raise ParameterError(f"state: {role} had {size} numbers, here it has {fits}; expected as many")
         for _, part, state in states:
             part.state = copy.deepcopy(state)
         self.configurations, self._parts = configurations, parts

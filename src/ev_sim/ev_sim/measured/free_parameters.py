@@ -85,7 +85,7 @@ def _free(name: str, known: Mapping[str, Any]) -> FreeParameter:
         entry, values = known[array], known[array].default
         if array in _MF.values() and not values:
             allowed = "a car with tyres of curve mf_tyre; of others the group curve"
-            raise ParameterError(f"--free {name} is refused: the car has no {array}, allowed is {allowed}")
+            raise ParameterError(f"--free {name} is refused: the car has no {array}, expected {allowed}")
         names = MF_NAMES if array in _MF.values() else tuple(map(str, range(len(values))))
         if element not in names[: len(values)]:
             raise unknown_name(f"element of {array}, which has {len(values)} of them,", element, names)
@@ -103,7 +103,7 @@ def _free(name: str, known: Mapping[str, Any]) -> FreeParameter:
         high = min(high, max(0.1 * start, 10.0 * start)) if high * start > 0 else high
     scale = abs(start) or 0.1 * (high - low)
     if not low <= start <= high or not np.isfinite(scale):
-        raise ParameterError(f"--free {name} starts at {start:g} {unit}, allowed is {low:g} to {high:g}")
+        raise ParameterError(f"--free {name} starts at {start:g} {unit}, expected {low:g} to {high:g}")
     return FreeParameter(name, unit, low, high, start, scale, place)
 
 

@@ -67,7 +67,7 @@ def fit_motor(file: Path) -> MotorFit:
     speed, torque, efficiency = rows[:, whole]
     speed = speed * UNITS["rpm"]
     if (speed <= 0.0).any() or (torque <= 0.0).any() or (efficiency <= 0.0).any() or (efficiency > 1.0).any():
-        raise ParameterError(f"{file}: allowed are speed and torque above 0, and efficiencies above 0 and at most 1")
+        raise ParameterError(f"{file}: expected speed and torque above 0, and efficiencies above 0 and at most 1")
     held_out = np.arange(len(speed)) % _EVERY == _EVERY - 1
     terms = {
         "copper_loss": torque**2,
@@ -77,7 +77,7 @@ def fit_motor(file: Path) -> MotorFit:
         "inverter_torque_loss": torque,
     }
     if np.sum(~held_out) < len(terms):
-        raise ParameterError(f"{file} has {len(speed)} points with numbers, allowed are {2 * len(terms)} or more")
+        raise ParameterError(f"{file} has {len(speed)} points with numbers, expected {2 * len(terms)} or more")
     power = speed * torque
     weight = efficiency**2 / power  # a watt of loss in the efficiency
     matrix = np.stack([*terms.values()], axis=1)

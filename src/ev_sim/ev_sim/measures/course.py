@@ -51,15 +51,13 @@ class Course:
         for each in fields(self):
             values = getattr(self, each.name)
             if isinstance(values, tuple) and len(values) != len(self.begin) and (values or each.name == "end"):
-                raise ParameterError(
-                    f"{each.name} has {len(values)} values, allowed are {len(self.begin)} as begin has"
-                )
+                raise ParameterError(f"{each.name} has {len(values)} values, expected {len(self.begin)} as begin has")
         ends = [place for lane in zip(self.begin, self.end, strict=True) for place in lane]
         if any(b <= a if n % 2 == 0 else b < a for n, (a, b) in enumerate(pairwise(ends))):
-            raise ParameterError("begin and end do not rise, allowed are lanes one behind the other")
+            raise ParameterError("begin and end do not rise, expected lanes one behind the other")
         widths = zip(self._of("width_factor"), self._of("width_margin"), self._of("least_width"), strict=True)
         if any(not any(width) for width in widths):
-            raise ParameterError("a lane has no width, allowed is a width_factor, width_margin or least_width")
+            raise ParameterError("a lane has no width, expected a width_factor, width_margin or least_width")
 
     def _of(self, name: str) -> tuple[float, ...]:
         return getattr(self, name) or (0.0,) * len(self.begin)

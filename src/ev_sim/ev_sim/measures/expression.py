@@ -83,13 +83,13 @@ FUNCTIONS = sorted({*REDUCTIONS, *OVER_TIME, *ELEMENTWISE})
 def parsed(text: str) -> ast.expr:
     """The tree of an expression; ParameterError, in one line, if it is none or too long."""
     if len(text) > _LONGEST:
-        raise ParameterError(f"it has {len(text)} characters, allowed are {_LONGEST}")
+        raise ParameterError(f"it has {len(text)} characters, expected {_LONGEST}")
     try:
         tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise ParameterError(f"no expression: {getattr(error, 'msg', error)}") from None
     if sum(1 for _ in ast.walk(tree)) > _MOST:
-        raise ParameterError(f"it has too many parts, allowed are {_MOST}")
+        raise ParameterError(f"it has too many parts, expected {_MOST}")
     return tree
 
 
@@ -124,7 +124,7 @@ def term_of(node: ast.expr) -> Term:
         return _compared(node)
     hint = "; and, or, not are written &, |, ~" if isinstance(node, ast.BoolOp | ast.UnaryOp) else ""
     raise ParameterError(
-        f"{quoted(ast.unparse(node))} has no meaning, allowed are numbers, channels, time, metrics, + - * / **, "
+        f"{quoted(ast.unparse(node))} has no meaning, expected numbers, channels, time, metrics, + - * / **, "
         f"comparisons, & | ~, [condition] and functions{hint}"
     )
 
@@ -163,7 +163,7 @@ def _each(function: Callable[..., Any], *terms: Term) -> Term:
     """A function of terms, sample by sample."""
     series = [term.kind for term in terms if term.kind.is_series]
     if any(kind.is_part for kind in series) and len(series) > 1:
-        raise ParameterError("values at some samples meet others, allowed is (A * B)[condition] for A[...] * B[...]")
+        raise ParameterError("values at some samples meet others, expected (A * B)[condition] for A[...] * B[...]")
     kind = _NUMBER if not series else _PART if series[0].is_part else _SERIES
     return Term(kind, lambda run: function(*(_as_numbers(term.of(run)) for term in terms)))
 
@@ -194,9 +194,7 @@ def _compared(node: ast.Compare) -> Term:
 def _subscript(node: ast.Subscript) -> Term:
     values, condition = term_of(node.value), term_of(node.slice)
     if not condition.kind.is_condition or not values.kind.is_series or values.kind.is_part:
-        raise ParameterError(
-            f"{quoted(ast.unparse(node))} is refused, allowed is CHANNEL[condition], such as [time > 1]"
-        )
+        raise ParameterError(f"{quoted(ast.unparse(node))} is refused, expected CHANNEL[condition], such as [time > 1]")
     return Term(_PART, lambda run: _chosen(_as_numbers(values.of(run)), condition.of(run)))
 
 

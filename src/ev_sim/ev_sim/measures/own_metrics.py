@@ -30,15 +30,15 @@ def named_metric(text: str | NamedMetric) -> NamedMetric:
     if found is None:
         if re.fullmatch(r"\s*\w+\s*", text):
             raise unknown_name("metric", text.strip(), METRICS)
-        raise ParameterError(f"metric {quoted(text)} is refused, allowed is a name of docs/metrics.md, or {FORM}")
+        raise ParameterError(f"metric {quoted(text)} is refused, expected a name of docs/metrics.md, or {FORM}")
     name, unit, expression = found.groups()
     try:
         if name in METRICS:
-            raise ParameterError(f"{name} is the name of another metric, allowed is one of your own")
+            raise ParameterError(f"{name} is the name of another metric, expected one of your own")
         tree = parsed(expression)
         term = term_of(tree)
         if term.kind.is_series:
-            raise ParameterError("it has a value at each sample, allowed is one number, such as maximum(...) of it")
+            raise ParameterError("it has a value at each sample, expected one number, such as maximum(...) of it")
         unit = unit.strip() if unit else _unit_of(tree)
     except ParameterError as error:
         raise ParameterError(f"metric {quoted(text)} is refused: {error}") from None
@@ -56,7 +56,7 @@ def named_metrics(texts: Sequence[str | NamedMetric]) -> dict[str, NamedMetric]:
     for text in texts:
         each = named_metric(text)
         if each.name in found:
-            raise ParameterError(f"metric {quoted(each.name)} is there twice, allowed is once")
+            raise ParameterError(f"metric {quoted(each.name)} is there twice, expected once")
         found[each.name] = each
     return found
 
@@ -89,7 +89,7 @@ def _unit_of(tree: ast.expr) -> str:
         name = name_of(tree.args[0])
         if name in frame.channels():
             return frame.units()[name]
-    raise ParameterError(f"its unit is missing, allowed is {FORM}")
+    raise ParameterError(f"its unit is missing, expected {FORM}")
 
 
 def _needs(tree: ast.expr) -> Iterator[str]:

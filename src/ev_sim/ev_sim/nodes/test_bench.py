@@ -36,7 +36,7 @@ class TestBenchNode(SteppedNode):
     def successor(self, configuration: Configuration, changed: Iterable[str] = ()) -> Part:
         """What goes on with other parameters; ValueError if they enable what the emergency switch has disabled."""
         if self.sequence.emergency and configuration.values()[_ENABLED] != "none":
-            raise ValueError(f"{_ENABLED} is refused after an emergency stop, allowed is none until disconnect")
+            raise ValueError(f"{_ENABLED} is refused after an emergency stop, expected none until disconnect")
         return super().successor(configuration, changed)
 
     def reconfigured(self) -> None:

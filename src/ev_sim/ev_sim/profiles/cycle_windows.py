@@ -95,11 +95,11 @@ class CycleModesParameters:
     def __post_init__(self) -> None:
         if len(self.begin) != len(self.mode):
             raise ParameterError(
-                f"begin and mode have {len(self.begin)} and {len(self.mode)} elements, allowed is the same number"
+                f"begin and mode have {len(self.begin)} and {len(self.mode)} elements, expected the same number"
             )
         for earlier, later in pairwise(self.begin):
             if not earlier < later:
-                raise ParameterError(f"begin: {later:g} s after {earlier:g} s is refused, allowed is increasing time")
+                raise ParameterError(f"begin: {later:g} s after {earlier:g} s is refused, expected increasing time")
 
 
 class CycleModes(NamedTuple):

@@ -30,12 +30,12 @@ def check_points(time_name: str, time: tuple[float, ...], value_name: str, value
     """ParameterError unless there is at least one point, every time has a value and the times increase."""
     if not time or len(time) != len(value):
         raise ParameterError(
-            f"{time_name} and {value_name} have {len(time)} and {len(value)} elements, allowed is the same number,"
+            f"{time_name} and {value_name} have {len(time)} and {len(value)} elements, expected the same number,"
             " at least one"
         )
     for earlier, later in pairwise(time):
         if not earlier < later:
-            raise ParameterError(f"{time_name}: {later:g} s after {earlier:g} s is refused, allowed is increasing time")
+            raise ParameterError(f"{time_name}: {later:g} s after {earlier:g} s is refused, expected increasing time")
 
 
 class Profile(NamedTuple):

@@ -75,7 +75,7 @@ class RunRecorder:
         folder = Path(p.directory)
         if any(os.path.lexists(folder / name) for name in ((BAG, SIGNALS) if p.bag else (SIGNALS,))):
             raise ParameterError(
-                f"parameter directory: {quoted(p.directory)} is refused, allowed is one without a recording"
+                f"parameter directory: {quoted(p.directory)} is refused, expected one without a recording"
             )
         folder.mkdir(parents=True, exist_ok=True)
         self._signals, self._is_written = folder / SIGNALS, False

@@ -75,7 +75,7 @@ class Replay:
                 configurations[role] = _configured(role, {**common, "method": str(signals)}, self.duration)
         if MASTER not in configurations:
             topics = ", ".join(TOPICS[signal].name for signal in ROLES[MASTER].writes)
-            raise ParameterError(f"{self.recorded.source} has nothing of the {MASTER}, allowed is any of {topics}")
+            raise ParameterError(f"{self.recorded.source} has nothing of the {MASTER}, expected any of {topics}")
         return Run(REPLAYED, self.recorded.namespace, configurations, self.duration)
 
     def differences(self, replayed: Recording) -> tuple[Difference, ...]:
@@ -114,7 +114,7 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
         raise unknown_name("node", role, ROLES)
     for node, key, _ in overrides.values:
         if node not in ("*", role):
-            raise ParameterError(f"{node}.{key} is refused: {node} says what was recorded, allowed is {role}.{key}")
+            raise ParameterError(f"{node}.{key} is refused: {node} says what was recorded, expected {role}.{key}")
     files = [*_car(recorded, overrides.vehicle), *map(ParameterFile, overrides.files)]
     values: dict[str, Any] = {}
     for file in files:
@@ -128,7 +128,7 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
         values.pop(name, None)
     duration = recorded.duration if overrides.duration is None else overrides.duration
     if not 0.0 < duration <= recorded.duration:
-        raise ParameterError(f"duration: {duration!r} is refused, allowed is more than 0 and up to {recorded.duration}")
+        raise ParameterError(f"duration: {duration!r} is refused, expected more than 0 and up to {recorded.duration}")
     try:
         configuration = _configured(role, values, duration)
     except ParameterError as error:
@@ -176,7 +176,7 @@ def replay_folder(replay: Replay, out: Path) -> OutputFolder:
     source = replay.recorded.source.resolve()
     runs = [Run(name, replay.recorded.namespace, {}, replay.duration) for name in (_RECORDED, REPLAYED)]
     if any(source.is_relative_to((out / run.name).resolve()) for run in runs):
-        raise ParameterError(f"--out {out}: the run that is replayed is there, allowed is another folder")
+        raise ParameterError(f"--out {out}: the run that is replayed is there, expected another folder")
     logs = [f"{REPLAYED}/{LOG}/{role}.log" for role in ROLES]
     return OutputFolder(out, "replay", [*OF_ALL_RUNS, *TABLES, *figure_files([_LATENCY]), *logs], runs)
 

@@ -67,7 +67,7 @@ class Recorded:
 def refuse_short(source: Path, instants: int) -> None:
     """ParameterError unless there are two instants at least: without a step nothing is answered."""
     if instants < 2:
-        raise ParameterError(f"{source} holds {instants} whole instants of a run, allowed are two or more")
+        raise ParameterError(f"{source} holds {instants} whole instants of a run, expected two or more")
 
 
 @dataclass(frozen=True)
@@ -197,10 +197,10 @@ def _refuse_time(bag: Path, topic: Topic, at: np.ndarray, first: int, period: in
     """ParameterError if stamps are between two steps or go back, as after a reset; a repetition may be there."""
     if len(odd := at[(at - first) % period != 0]):
         allowed = f"multiples of {stamps.to_seconds(period):g} s from {stamps.to_seconds(first):g} s on"
-        raise ParameterError(f"{bag}: {topic.name} at {stamps.to_seconds(int(odd[0]))} s, allowed are {allowed}")
+        raise ParameterError(f"{bag}: {topic.name} at {stamps.to_seconds(int(odd[0]))} s, expected {allowed}")
     if len(back := np.flatnonzero(np.diff(at) < -2 * period)):
         ends = [f"{stamps.to_seconds(int(stamp)):g} s" for stamp in at[back[0] : back[0] + 2]]
-        raise ParameterError(f"{bag}: {topic.name} goes back from {' to '.join(ends)}, allowed is a bag of one run")
+        raise ParameterError(f"{bag}: {topic.name} goes back from {' to '.join(ends)}, expected a bag of one run")
 
 
 def _put(
@@ -269,7 +269,7 @@ def _found(path: Path) -> tuple[Path, Path]:
             if (each / recording.BAG).is_dir() or (each / recording.SIGNALS).exists()
         )
         if below:
-            raise ParameterError(f"{path} has several runs, allowed is one: {', '.join(str(path / b) for b in below)}")
+            raise ParameterError(f"{path} has several runs, expected one: {', '.join(str(path / b) for b in below)}")
     elif path.suffix in (".mcap", ".db3"):
         bag = path.parent / _METADATA
         return path, path.parent.parent if bag.exists() else path.parent

@@ -72,10 +72,10 @@ def free_domain() -> Iterator[int]:
     """
     given = os.environ.get("ROS_DOMAIN_ID", "")
     if os.environ.get(_RANGE) == "OFF":
-        raise RunFailed(f"{_RANGE}=OFF is refused: no node would find another one, allowed is LOCALHOST or SUBNET")
+        raise RunFailed(f"{_RANGE}=OFF is refused: no node would find another one, expected LOCALHOST or SUBNET")
     if given:
         if not (given.isdecimal() and int(given) <= _LAST):
-            raise RunFailed(f"ROS_DOMAIN_ID={given} is refused, allowed is a whole number from 0 to {_LAST}")
+            raise RunFailed(f"ROS_DOMAIN_ID={given} is refused, expected a whole number from 0 to {_LAST}")
         yield int(given)
         return
     for domain in _DOMAINS:

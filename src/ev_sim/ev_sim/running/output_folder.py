@@ -58,7 +58,7 @@ class OutputFolder:
         claims = [*map(glob.escape, files)]
         claims += [str(Path(folders[run.name], name)) for run in runs for name in files_of_run(run)]
         if any(letter == "\0" or "\ud800" <= letter <= "\udfff" for letter in str(self.directory)):
-            raise ParameterError(f"{quoted(str(directory))} is refused, allowed is the name of a folder in UTF-8")
+            raise ParameterError(f"{quoted(str(directory))} is refused, expected the name of a folder in UTF-8")
         with ExitStack() as locks:
             try:
                 self._hold(self.directory, locks)
@@ -118,7 +118,7 @@ class OutputFolder:
         try:
             locks.enter_context(locked(folder, fcntl.LOCK_EX | fcntl.LOCK_NB))
         except BlockingIOError:
-            raise ParameterError(f"{folder}: another run is writing there, allowed is another folder") from None
+            raise ParameterError(f"{folder}: another run is writing there, expected another folder") from None
 
     def _manifest(self) -> dict[str, Files]:
         try:
@@ -157,9 +157,7 @@ class OutputFolder:
         files, places = [*claims], set()
         for pattern in files:
             if not stays_within(pattern):
-                raise ParameterError(
-                    f"{self._given}: {quoted(pattern)} is refused, allowed is the name of a file there"
-                )
+                raise ParameterError(f"{self._given}: {quoted(pattern)} is refused, expected the name of a file there")
             folder = pattern.rpartition("/")[0]
             places.add(pattern if folder in self._shared else folder)
         for place in sorted(places):
@@ -185,7 +183,7 @@ class OutputFolder:
         return next(writers, "is not of an earlier run")
 
     def _refused(self, name: str, why: str) -> ParameterError:
-        return ParameterError(f"{self._given}: {name} there {why}, allowed is another folder")
+        return ParameterError(f"{self._given}: {name} there {why}, expected another folder")
 
     def _move(self, names: Sequence[str]) -> None:
         earlier = free_path(self.directory / "earlier_")

@@ -54,9 +54,7 @@ def vehicle_file(name: str) -> ParameterFile:
     """
     file = ParameterFile(configured_file(VEHICLE, name))
     if others := sorted(each for each in file.names() if not each.startswith(f"{VEHICLE}.")):
-        what = (
-            f"parameter {quoted(others[0])} is no vehicle's, allowed are those of {VEHICLE}; others stand in a scenario"
-        )
+        what = f"parameter {quoted(others[0])} is no vehicle's, expected those of {VEHICLE}; others stand in a scenario"
         raise ParameterError(f"{file.path}: {what}")
     stated = file.values_for("/ev/plant")
     own = [entry.name for entry in entries(Vehicle, f"{VEHICLE}.") if entry.spec.own]
@@ -107,7 +105,7 @@ class ScenarioParameters:
         for name in self.runs:
             if not _RUN.fullmatch(name) or self.runs.count(name) > 1:
                 raise ParameterError(
-                    f"runs: {quoted(str(name))} is refused, allowed are different names of up to {_LONGEST} letters, "
+                    f"runs: {quoted(str(name))} is refused, expected different names of up to {_LONGEST} letters, "
                     "digits and underscores, the first one no digit"
                 )
 

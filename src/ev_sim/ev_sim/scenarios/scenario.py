@@ -133,7 +133,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     duration = about.duration if overrides.duration is None else overrides.duration
     by_the_course = duration == about.duration == 0.0
     if not 0 < duration <= LONGEST and not by_the_course:
-        raise ParameterError(f"duration: {duration!r} is refused, allowed is more than 0 and at most {LONGEST:.0f} s")
+        raise ParameterError(f"duration: {duration!r} is refused, expected more than 0 and at most {LONGEST:.0f} s")
     for run in only:
         if run not in namespaces:
             raise unknown_name(f"run of {name}", run, namespaces)
@@ -284,7 +284,7 @@ def _run(name: str, sources: _Sources, duration: float, about: ScenarioParameter
     check_graph(configurations)
     period = configurations[MASTER].common.control_period
     if duration < period:
-        raise ParameterError(f"duration: {duration!r} is refused, allowed is at least one control period, {period:g} s")
+        raise ParameterError(f"duration: {duration!r} is refused, expected at least one control period, {period:g} s")
     return Run(name, sources.namespace, configurations, duration)
 
 

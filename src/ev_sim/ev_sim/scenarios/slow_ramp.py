@@ -118,7 +118,7 @@ def driven_slowly(run: Run, ramp: SlowRampParameters) -> Recording:
     if angle > most:
         raise NotMeasured(
             f"at the {abs(speed):g} m/s with which the run begins, {ramp.lateral_acceleration:g} m/s^2 would take "
-            f"{angle / LARGEST:.3g} rad of the steering wheel, and a ramp ends at {LARGEST:g} times that, allowed is "
+            f"{angle / LARGEST:.3g} rad of the steering wheel, and a ramp ends at {LARGEST:g} times that, expected "
             f"up to {most:g} rad"
         )
     end = RAMP_BEGIN + angle / ramp.rate

@@ -55,12 +55,12 @@ class SpeedDependentParameters(SteeringMotorParameters):
     def __post_init__(self) -> None:
         if not self.speed or len(self.speed) != len(self.ratio):
             raise ParameterError(
-                f"speed and ratio have {len(self.speed)} and {len(self.ratio)} elements, allowed is the same number,"
+                f"speed and ratio have {len(self.speed)} and {len(self.ratio)} elements, expected the same number,"
                 " at least one"
             )
         for lower, higher in pairwise(self.speed):
             if not lower < higher:
-                raise ParameterError(f"speed: {higher:g} m/s after {lower:g} m/s is refused, allowed is increasing")
+                raise ParameterError(f"speed: {higher:g} m/s after {lower:g} m/s is refused, expected increasing")
 
 
 class SpeedDependentConstants(NamedTuple):

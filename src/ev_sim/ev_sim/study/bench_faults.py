@@ -157,7 +157,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every fault with every seed."""
     if given.seeds < 1:
-        raise ParameterError(f"--seeds: {given.seeds} is refused, allowed is 1 and more")
+        raise ParameterError(f"--seeds: {given.seeds} is refused, expected 1 and more")
     return [trial(what, seed) for what in FAULTS for seed in range(given.seeds)]
 
 

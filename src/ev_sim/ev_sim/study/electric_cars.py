@@ -83,7 +83,7 @@ def read_cars(file: Path | str) -> list[ElectricCar]:
             if not least < value < 1e6:
                 raise ParameterError(
                     f"{file}, line {line}, column {column}: {quoted(text)} is refused, "
-                    f"allowed is a number above {least:g}"
+                    f"expected a number above {least:g}"
                 )
             return value
 
@@ -107,7 +107,7 @@ def read_cars(file: Path | str) -> list[ElectricCar]:
             )
         )
     if not cars:
-        raise ParameterError(f"{file}: no car is in it, allowed is a row for each")
+        raise ParameterError(f"{file}: no car is in it, expected a row for each")
     return cars
 
 
@@ -155,7 +155,7 @@ def read_assumptions(file: Path | str | None = None) -> Assumptions:
             quantity, drive, value = row["quantity"], row["class"], float(row["value"])
         except (KeyError, TypeError, ValueError):
             raise ParameterError(
-                f"{path}, line {line}: {quoted(str(row))} is refused, allowed is quantity, class and a number as value"
+                f"{path}, line {line}: {quoted(str(row))} is refused, expected quantity, class and a number as value"
             ) from None
         most = 1.0 if quantity.endswith("efficiency") else _LARGEST
         if not (0.0 < value <= most or (value == 0.0 and most > 1.0)):

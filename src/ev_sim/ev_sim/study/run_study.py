@@ -73,12 +73,12 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
     if common.duration is not None and 0.0 < common.duration < shortest:
         raise ParameterError(
             f"--duration {common.duration:g} is refused: what this study measures comes later, "
-            f"allowed is {shortest:g} s or more"
+            f"expected {shortest:g} s or more"
         )
     changed, names = _changed(common), set[str]()
     for case in cases:
         if case.name in names:
-            raise ParameterError(f"case {quoted(case.name)} is there twice, allowed is once")
+            raise ParameterError(f"case {quoted(case.name)} is there twice, expected once")
         names.add(case.name)
         _refuse_what_it_sets(case, changed)
         if common.vehicle and case.vehicle:

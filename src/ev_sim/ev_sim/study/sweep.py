@@ -52,26 +52,24 @@ MOST = 100_000  # runs of a sweep
 def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
     """By NODE.PARAM, and `seed` if there are several, the values; ParameterError for words without sense."""
     if not 1 <= given.seeds <= MOST:
-        raise ParameterError(f"--seeds {given.seeds} is refused, allowed is 1 to {MOST}")
+        raise ParameterError(f"--seeds {given.seeds} is refused, expected 1 to {MOST}")
     varied: dict[str, list[Any]] = {}
     for word in given.vary:
         place, found, text = word.partition("=")
         if not (found and text and place.partition(".")[2]):
-            raise ParameterError(f"--vary {quoted(word)} is refused, allowed is NODE.PARAM=x,y,z or =FIRST:LAST:COUNT")
+            raise ParameterError(f"--vary {quoted(word)} is refused, expected NODE.PARAM=x,y,z or =FIRST:LAST:COUNT")
         for other in (*varied, *(["*.seed"] if given.seeds > 1 else [])):
             if _is_same(place, other):
-                raise ParameterError(f"--vary {quoted(word)} is refused: {other} varies already, allowed is once")
+                raise ParameterError(f"--vary {quoted(word)} is refused: {other} varies already, expected once")
         try:
             varied[place] = _values(text)
         except ValueError as why:
-            raise ParameterError(f"--vary {quoted(word)} is refused, allowed is {why}") from None
+            raise ParameterError(f"--vary {quoted(word)} is refused, expected {why}") from None
     runs = given.seeds * math.prod(map(len, varied.values()))
     if runs > MOST:
-        raise ParameterError(
-            f"a sweep of {runs} runs is refused, allowed are {MOST}; docs/batch.md has what drives more"
-        )
+        raise ParameterError(f"a sweep of {runs} runs is refused, expected {MOST}; docs/batch.md has what drives more")
     if runs == 1 and not varied:
-        raise ParameterError("a sweep of nothing is refused, allowed is --vary NODE.PARAM=x,y,z, --seeds N, or both")
+        raise ParameterError("a sweep of nothing is refused, expected --vary NODE.PARAM=x,y,z, --seeds N, or both")
     return {**varied, **({SEED: list(range(given.seeds))} if given.seeds > 1 else {})}
 
 

@@ -86,7 +86,7 @@ def _client(scheduler: str) -> Iterator[Client]:
         try:
             client.wait_for_workers(1, timeout=_PATIENCE)
         except TimeoutError:
-            raise RunFailed(f"scheduler {scheduler} has no workers, allowed is one or more") from None
+            raise RunFailed(f"scheduler {scheduler} has no workers, expected one or more") from None
         yield client
 
 
@@ -96,10 +96,10 @@ def refuse_others(client: Client) -> None:
     for worker, theirs in client.run(versions).items():
         for package, version in theirs.items():
             if version != own[package]:
-                raise RunFailed(f"worker {worker} has {package} {version}, allowed is {own[package]} as here")
+                raise RunFailed(f"worker {worker} has {package} {version}, expected {own[package]} as here")
     for worker, digest in client.run(digest_of_sources, config=True, others=True).items():
         if digest != sources:
-            raise RunFailed(f"worker {worker} has other sources or config files, allowed are those of here")
+            raise RunFailed(f"worker {worker} has other sources or config files, expected those of here")
 
 
 def _performed(perform: Perform, *job: Any) -> tuple[Any, str, Path, dict[str, str]]:
@@ -126,7 +126,7 @@ def refuse_other_files(worker: str, folder: Path, files: Mapping[str, str]) -> N
         if here.is_relative_to(folder) and here.relative_to(folder).is_file():
             here = here.relative_to(folder)
         if not (here.is_file() and digest_of(here) == digest):
-            raise RunFailed(f"worker {worker} has read another {path} than {here} here, allowed is the same file")
+            raise RunFailed(f"worker {worker} has read another {path} than {here} here, expected the same file")
 
 
 def drive_cases(

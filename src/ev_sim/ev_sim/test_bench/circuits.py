@@ -41,7 +41,7 @@ def prepare(parameters: CircuitsParameters, vehicle: Vehicle, period: float) -> 
         longest = periods * period
         if path.delay > longest:
             raise ParameterError(
-                f"{name}.delay: {path.delay!r} is refused, allowed is at most {longest:g} s, {periods} control periods"
+                f"{name}.delay: {path.delay!r} is refused, expected at most {longest:g} s, {periods} control periods"
             )
     motor = {field.name: getattr(vehicle.motor, field.name) for field in fields(Machine)}
     machine = Machine(**{**motor, "rotor_inertia": max(vehicle.motor.rotor_inertia, p.least_rotor_inertia)})

@@ -57,7 +57,7 @@ def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) 
     for name, path in (("set_point", p.set_point), ("load_set_point", p.load_set_point)):
         if path.delay > (KEPT_SET_POINTS - 2) * TICK:
             raise ParameterError(
-                f"{name}.delay: {path.delay!r} is refused, allowed is at most {(KEPT_SET_POINTS - 2) * TICK:g} s"
+                f"{name}.delay: {path.delay!r} is refused, expected at most {(KEPT_SET_POINTS - 2) * TICK:g} s"
             )
     ticks = ticks_of(period, MOST_TICKS)
     steps = max(math.ceil(TICK / p.step - 1e-9), 1)

@@ -41,11 +41,11 @@ class Sequence:
         """
         if self.emergency:
             if step != "disconnect":
-                raise ValueError(f"{step} is refused after an emergency stop, allowed is disconnect")
+                raise ValueError(f"{step} is refused after an emergency stop, expected disconnect")
             return Sequence()
         due = SEQUENCE_STEPS[self.stage]
         if step != due:
-            raise ValueError(f"{step} is refused, allowed is {due}")
+            raise ValueError(f"{step} is refused, expected {due}")
         if not cooling and step != "disconnect":
             raise ValueError(f"{step} is refused while the cooling is off")
         if step == "choose":

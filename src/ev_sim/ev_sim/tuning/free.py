@@ -66,7 +66,7 @@ def free_parameters(law: str, configurations: Mapping[str, Configuration], patte
     found = [_free(law, name, float(of.default), of.spec) for name, of in fitting.items()]
     if len(found) < 2:
         raise ParameterError(
-            f"free numbers {quoted(','.join(patterns))} of law {law} mean {len(found)}, allowed are two or more"
+            f"free numbers {quoted(','.join(patterns))} of law {law} mean {len(found)}, expected two or more"
         )
     return found
 

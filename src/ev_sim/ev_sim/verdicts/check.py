@@ -68,7 +68,7 @@ class Call:
             signature.bind(*needs, *given)
         except TypeError as error:
             raise ParameterError(
-                f"measure {quoted(text)} is refused ({error}), allowed is {name}{signature}, "
+                f"measure {quoted(text)} is refused ({error}), expected {name}{signature}, "
                 f"of which the first {len(needs)} are what is driven"
             ) from None
         return cls(measures[name], given)
@@ -127,7 +127,7 @@ class Tolerance:
         ParameterError for any other text, and if the reason is missing.
         """
         if not why:
-            raise ParameterError(f"the tolerance {quoted(text)} has no reason, allowed is one in the column why")
+            raise ParameterError(f"the tolerance {quoted(text)} has no reason, expected one in the column why")
         try:
             if ".." in text:
                 low, _, high = text.partition("..")
@@ -140,7 +140,7 @@ class Tolerance:
                 raise ValueError
         except ValueError:
             raise ParameterError(
-                f"the tolerance {quoted(text)} is refused, allowed is such as '1 %' (of the value), '0.5' (in its "
+                f"the tolerance {quoted(text)} is refused, expected such as '1 %' (of the value), '0.5' (in its "
                 "unit), '0 .. 2', '.. 2' or '0 ..'"
             ) from None
         return cls(why, relative=number / 100) if text.endswith("%") else cls(why, absolute=number)
@@ -253,7 +253,7 @@ def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]
         return check
     check = replace(check, tolerance=tolerance, why=why)
     if not row["tolerance"]:
-        raise ParameterError(f"the tolerance is missing, allowed is one with its reason, or {SHOWN!r} for the value")
+        raise ParameterError(f"the tolerance is missing, expected one with its reason, or {SHOWN!r} for the value")
     if tolerance.is_plain and why.is_plain:
         found = Tolerance.of(row["tolerance"], row["why"])
         if sign and not 0.0 < found.relative < 1.0:
@@ -270,7 +270,7 @@ def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise ParameterError(f"the value {quoted(value)} is refused, allowed is a finite number or {SHOWN!r}")
+        raise ParameterError(f"the value {quoted(value)} is refused, expected a finite number or {SHOWN!r}")
     return replace(check, value=number)
 
 
@@ -284,4 +284,4 @@ def _refuse_unit(unit: str) -> None:
     words = [re.sub(r"\^\d$", "", word) for part in parts for word in part.split() or [""]]
     if len(parts) > 2 or not _SYMBOLS.issuperset(words):
         allowed = f"such as 'N m', 'm/s^2' or '1', of {', '.join(sorted(_SYMBOLS))}"
-        raise ParameterError(f"the unit {quoted(unit)} is not known, allowed is {allowed}")
+        raise ParameterError(f"the unit {quoted(unit)} is not known, expected {allowed}")

@@ -125,22 +125,20 @@ def _published(id: str, rows: list[_Row], measures: Measures) -> Published:
             if row["measure"]:
                 checks.append(check_of(row, measures, of_row))
             elif any(row[name] for name in COLUMNS[7:]):
-                raise ParameterError("the measure is missing, allowed is its name with the words that it takes")
+                raise ParameterError("the measure is missing, expected its name with the words that it takes")
             if row["note"]:
                 note, _, text = row["note"].partition(": ")
                 if note not in NOTES or not text or entry.note:
                     refused = "a second note" if entry.note else f"the note {quoted(row['note'])}"
-                    raise ParameterError(
-                        f"{refused} is refused, allowed is one that begins with {': , '.join(NOTES)}: "
-                    )
+                    raise ParameterError(f"{refused} is refused, expected one that begins with {': , '.join(NOTES)}: ")
                 entry = replace(entry, note=note, text=Template.of(text, measures, of_row), text_needs=of_row)
         place = first["place"]
         if entry.kind not in KINDS:
-            raise ParameterError(f"kind {quoted(entry.kind)} is refused, allowed is {', '.join(KINDS)}")
+            raise ParameterError(f"kind {quoted(entry.kind)} is refused, expected {', '.join(KINDS)}")
         if len({check.name for check in checks}) < len(checks):
-            raise ParameterError("two of its numbers have one name, allowed is one each")
+            raise ParameterError("two of its numbers have one name, expected one each")
         if entry.is_judged and not checks:
-            raise ParameterError("nothing is measured, allowed is that with a note why there is no verdict")
+            raise ParameterError("nothing is measured, expected that with a note why there is no verdict")
     except ParameterError as error:
         raise ParameterError(f"{place}: {error}") from None
     return replace(entry, needs=tuple(dict.fromkeys(needs)), checks=tuple(checks))
@@ -161,12 +159,12 @@ def _rows_by_id(source: str) -> dict[str, list[_Row]]:
         id = row["id"] or id
         row["place"] = f"{path}, line {line}, {id or 'no id'}"
         if row["id"] in found:
-            raise ParameterError(f"{row['place']}: the id stands there twice, allowed is once")
+            raise ParameterError(f"{row['place']}: the id stands there twice, expected once")
         if row["id"]:
             found[id] = []
         elif not id or any(row[name] for name in _CELLS_OF_ID):
             raise ParameterError(
-                f"{row['place']}: a row without id has {', '.join(_CELLS_OF_ID)}, allowed is none of them"
+                f"{row['place']}: a row without id has {', '.join(_CELLS_OF_ID)}, expected none of them"
             )
         found[id].append(row)
     return found
@@ -185,10 +183,10 @@ def _lines(path: Path, columns: tuple[str, ...]) -> Iterator[tuple[int, list[str
     rows = ((lines.line_num, row) for row in lines if row)
     line, header = next(rows, (1, []))
     if tuple(header) != columns:
-        raise ParameterError(f"{path}, line {line}: the columns are refused, allowed is {','.join(columns)}")
+        raise ParameterError(f"{path}, line {line}: the columns are refused, expected {','.join(columns)}")
     for line, row in rows:
         if len(row) > len(columns):
             raise ParameterError(
-                f"{path}, line {line}: {len(row)} cells, allowed is {len(columns)}: quote what has commas"
+                f"{path}, line {line}: {len(row)} cells, expected {len(columns)}: quote what has commas"
             )
         yield line, row + [""] * (len(columns) - len(row))

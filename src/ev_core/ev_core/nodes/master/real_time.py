@@ -58,7 +58,7 @@ class MasterParameters:
         if common.mode == "realtime" and self.command_timeout <= 2.0 * common.control_period:
             allowed = f"more than two control periods, {2.0 * common.control_period:g} s"
             name = "command_timeout"
-            raise ParameterError(f"parameter {name}: {self.command_timeout:g} is refused, allowed is {allowed}", name)
+            raise ParameterError(f"parameter {name}: {self.command_timeout:g} is refused, expected {allowed}", name)
 
 
 _COMMAND = frame.PLACES[WheelTorqueCommand]

@@ -40,7 +40,7 @@ EXPORTED void *fmi2Instantiate(const char *name, int kind, const char *guid, con
     if (call) it->logger = call->logger, it->environment = call->environment;
     snprintf(it->name, sizeof it->name, "%s", name ? name : "");
     int status = OK;
-    if (kind != 1) status = logged(it, ERROR, "model exchange is refused, allowed is co-simulation");
+    if (kind != 1) status = logged(it, ERROR, "model exchange is refused, expected co-simulation");
     else if (!guid || strcmp(guid, token)) status = logged(it, ERROR, "the description is that of another FMU");
     else status = create(it);
     if (status == OK) return it;

@@ -74,7 +74,7 @@ def case(method: str, driver: str, seed: int, name: str = "", further: Values = 
 def roads(given: argparse.Namespace) -> range:
     """The seeds 1 to N of the option --seeds; ParameterError if there is none."""
     if given.seeds < 1:
-        raise ParameterError(f"--seeds {given.seeds} is refused, allowed is 1 or more")
+        raise ParameterError(f"--seeds {given.seeds} is refused, expected 1 or more")
     return range(1, given.seeds + 1)
 
 

@@ -62,7 +62,7 @@ def compare(folder: Path, progress: Callable[[str], None] = lambda line: None) -
     """The numbers by id of all comparisons whose data are in a folder; ParameterError if none are."""
     there = [name for name in _DRIVERS if (folder / name).exists()]
     if not there:
-        raise ParameterError(f"{folder} has no measured data, allowed is a folder with {', '.join(_DRIVERS)}")
+        raise ParameterError(f"{folder} has no measured data, expected a folder with {', '.join(_DRIVERS)}")
     found: dict[str, float] = {}
     for name in there:
         progress(f"{name} ...")

@@ -110,7 +110,7 @@ def standard_channels(bag: Path) -> dict[str, str]:
     for channel in (YAW_RATE, LONGITUDINAL, ROAD_WHEEL_ANGLE):
         if not found[channel]:
             types = ", ".join(name for name, of in STANDARD.items() if channel in of)
-            raise ParameterError(f"{bag} has no {channel}, allowed are {types}, or a mapping (--mapping)")
+            raise ParameterError(f"{bag} has no {channel}, expected {types}, or a mapping (--mapping)")
     for channel, columns_of in found.items():
         if len(columns_of) > 1:
             raise ParameterError(f"{bag}: {channel} is any of {', '.join(columns_of)}: a mapping chooses (--mapping)")

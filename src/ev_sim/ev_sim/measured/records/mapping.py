@@ -70,7 +70,7 @@ def _given(mapping: Path) -> Mapping[str, Any]:
     except (yaml.YAMLError, UnicodeDecodeError):
         raise ParameterError(f"{mapping} is no YAML text") from None
     if not isinstance(given, dict) or not isinstance(given.get("channels"), dict):
-        raise ParameterError(f"{mapping}: allowed is a mapping with channels and, as needed, time, dbc and mask")
+        raise ParameterError(f"{mapping}: expected a mapping with channels and, as needed, time, dbc and mask")
     for name in given:
         if name not in _ENTRIES:
             raise ParameterError(f"{mapping}: {unknown_name('entry', name, _ENTRIES)}")

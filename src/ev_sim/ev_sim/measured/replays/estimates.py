@@ -48,7 +48,7 @@ def estimates_of(replay: OpenLoop, values: Mapping[str, Mapping[str, Any]]) -> t
     for name, each in estimators().items():
         parameters = _built(name, each, values.get(name, {}))
         if each.estimates not in COMPARED:
-            raise ParameterError(f"{name} estimates {each.estimates}, allowed is one of {', '.join(COMPARED)}")
+            raise ParameterError(f"{name} estimates {each.estimates}, expected one of {', '.join(COMPARED)}")
         if missing := [channel for channel in (*each.reads, each.estimates) if channel not in given]:
             lacking.append(f"{name} is not judged, the record has no {', '.join(missing)}")
             continue

@@ -48,7 +48,7 @@ def longest_step(vehicle: Vehicle) -> float:
     if step < SHORTEST_STEP:
         raise ParameterError(
             f"vehicle.tyre: stiffness and damping_time need steps of {step:.2g} s with wheels of "
-            f"{lightest:g} kg m^2 and a car of {vehicle.mass:g} kg, allowed is {SHORTEST_STEP:g} s or more"
+            f"{lightest:g} kg m^2 and a car of {vehicle.mass:g} kg, expected {SHORTEST_STEP:g} s or more"
         )
     return step
 

@@ -71,7 +71,7 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
         if slip is None:
             raise ParameterError(
                 f"initial_drive_torque is {asked:g} N m at {WHEEL_NAMES[i]}, "
-                f"allowed is what its tyre holds, {tyre.friction * load[i] * radius[i]:.5g} N m"
+                f"expected what its tyre holds, {tyre.friction * load[i] * radius[i]:.5g} N m"
             )
         # Slip is over the faster one of rim and road.
         y[state.WHEEL_SPEED + i] = (speed / (1.0 - slip) if force * speed > 0.0 else speed * (1.0 - slip)) / radius[i]
