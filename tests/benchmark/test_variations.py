@@ -278,7 +278,7 @@ ED = "electronic_differential"
         ),
         (
             Variation("*.vehicle.wheelbase", factor=[-1.0, 1.0]),
-            "*.vehicle.wheelbase by factor [-1.0, 1.0]: parameter vehicle.wheelbase: -2.6 is refused, allowed",
+            "*.vehicle.wheelbase by factor [-1.0, 1.0]: parameter vehicle.wheelbase: -2.6 is refused, expected",
         ),
         (
             Variation(f"{YAW_RATE}.delay", count=[0, 2000]),

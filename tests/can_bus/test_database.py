@@ -26,7 +26,7 @@ TEXT = FILE.read_text()
         ("Crc", "Sum", "Drive11_Faults: Crc must be at bit 0"),
         ("Drive11_SetPoint: 8", "Drive12_SetPoint: 8", "two frames with the name Drive12_SetPoint"),
         (" 140 ", " 139 ", "two frames with the identifier 139"),
-        ("(0.03125,0) [-1000|1000]", "(0,0) [-1000|1000]", "Torque: scale 0 and offset 0 are refused, allowed"),
+        ("(0.03125,0) [-1000|1000]", "(0,0) [-1000|1000]", "Torque: scale 0 and offset 0 are refused, expected"),
         ("24|16@1- (0.03125,0) [-1000", "24|16@1- (0.03125,0) [-2000", "-2000 to 1000 is refused, its 16 bits hold"),
         ("BA_DEF_ BO_", "BA_DEFINE_ BO_", "Invalid syntax"),
         ("Drive11_SetPoint: 8", "Drive11_SetPoint: 100000000", "expected frames of 8 bytes and the bits in them"),

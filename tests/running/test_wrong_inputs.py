@@ -50,7 +50,7 @@ def refused(*words: str, out: Path) -> str:
         ),
         (
             ["compare", "--duration", "-1"],
-            "none of 16 runs can be driven; adaptive: duration: -1.0 is refused, allowed",
+            "none of 16 runs can be driven; adaptive: duration: -1.0 is refused, expected",
         ),
         (
             ["compare", "--methods", "slip_target"],

@@ -270,7 +270,7 @@ def test_wrong_joint_names_are_refused_with_the_allowed_ones():
     message.name = ["steering_wheel", "road_wheel"]
     text = refusal(COLUMN, serialize_message(message))
     assert "'road_wheel'" in text
-    assert "road_wheels" in text.partition("allowed")[2]
+    assert "road_wheels" in text.partition("expected")[2]
 
 
 @pytest.mark.parametrize(
