@@ -205,8 +205,7 @@ def command(monkeypatch):
     before = {kind: signal.getsignal(kind) for kind in (signal.SIGINT, signal.SIGTERM)}
     signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run in the background
     monkeypatch.setattr(sys, "argv", ["ev-stack", "run", "shchur2019"])
-    offered_commands.commands()  # its tables are imported here, not by what a test puts in the place of `import_module`
-    monkeypatch.setattr(sys, "argv", ["ev-stack", "run", "shchur2019"])
+    offered_commands.offered_commands()  # its tables are imported here, before a test replaces `import_module`
     monkeypatch.setattr(stop_request, "_INTERRUPTS", [])
     monkeypatch.setattr(ev_stack, "turn_deaf", lambda: None)
     monkeypatch.setattr(stop_request, "turn_deaf", lambda: None)

@@ -21,7 +21,7 @@ from ev_core.nodes.stop_request import (
     was_interrupted,
 )
 from ev_msgs_py.refusal import quoted, unknown_name
-from ev_sim.command_line.offered_commands import commands
+from ev_sim.command_line.offered_commands import offered_commands
 from ev_sim.command_line.refusal import refuse
 
 
@@ -68,21 +68,24 @@ def perform(words: Sequence[str]) -> None:
     """Do what the words of a command line ask for; SystemExit, KeyboardInterrupt."""
     if not words or words[0] in ("-h", "--help"):
         print("ev-stack COMMAND [options], ev-stack --version; COMMAND is one of")
-        for name, command in commands().items():
+        for name, command in offered_commands().commands.items():
             print(f"  {name:10} {command.about}")
+        for line in offered_commands().not_loaded:
+            print(f"not loaded: {line}")
         return
     if words[0] == "--version":
         print(f"ev-stack {version('ev_sim')}")
         return
-    if words[0] not in commands():
+    commands = offered_commands().commands
+    if words[0] not in commands:
         with loading():
             from ev_sim.commands.run_scenario import names
         driven = f"{quoted(words[0])} is no command: ev-stack run {words[0]}" if words[0] in names() else ""
-        print(f"ev-stack: {driven or unknown_name('command', words[0], (*commands(), *names()))}", file=sys.stderr)
+        print(f"ev-stack: {driven or unknown_name('command', words[0], (*commands, *names()))}", file=sys.stderr)
         sys.exit(2)
     try:
         with loading():
-            perform_command = commands()[words[0]].load()
+            perform_command = commands[words[0]].load()
         perform_command(list(words[1:]))
     except OSError as error:  # such as too many open files while it is loaded
         refuse(error)
