@@ -10,6 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from ev_msgs_py.refusal import ParameterError
+from ev_sim.command_line.offered_commands import offered_commands
 from ev_sim.command_line.options import arguments, overrides, own_nodes
 from ev_sim.commands import ev_stack
 from ev_sim.scenarios.scenario import load_scenario
@@ -73,6 +74,6 @@ def test_the_words_of_a_sweep(words):
 
 
 @fuzzed(12, 0.5)
-@given(words=st.lists(_texts.filter(lambda text: text not in ev_stack.COMMANDS), max_size=3))
+@given(words=st.lists(_texts.filter(lambda text: text not in offered_commands().commands), max_size=3))
 def test_unknown_commands(words):
     refused(lambda: ev_stack.perform(words))

@@ -354,6 +354,7 @@ STOPPED_WHILE_LOADED = """
 import atexit
 import signal
 import sys
+from ev_sim.command_line import offered_commands
 from ev_sim.commands import ev_stack
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run in the background
@@ -369,7 +370,8 @@ def import_module(name):
     print("went on")
 
 atexit.register(print, "cleaned up", flush=True)
-ev_stack.import_module = import_module
+offered_commands.offered_commands()
+offered_commands.import_module = import_module
 sys.argv = ["ev-stack", "run", "shchur2019"]
 ev_stack.main()
 """

@@ -76,7 +76,8 @@ def perform(words: Sequence[str]) -> None:
     if words[0] == "--version":
         print(f"ev-stack {version('ev_sim')}")
         return
-    commands = offered_commands().commands
+    with loading():
+        commands = offered_commands().commands
     if words[0] not in commands:
         with loading():
             from ev_sim.commands.run_scenario import names
