@@ -35,7 +35,7 @@ def test_a_command_in_the_graph_needs_no_home_folder():
     """Without a graph the command says that there is none, not that there is no home folder."""
     with free_domain() as domain:
         environment = {**HOMELESS, "ROS_DOMAIN_ID": str(domain)}
-    done = subprocess.run([COMMAND, "param", "get", "plant"], env=environment, capture_output=True, text=True)
+        done = subprocess.run([COMMAND, "param", "get", "plant"], env=environment, capture_output=True, text=True)
     assert done.stderr.startswith("error: no nodes are running in ROS domain"), done.stderr
 
 
