@@ -8,8 +8,9 @@ import sys
 from pathlib import Path
 
 CHANGELOG, CITATION = "CHANGELOG.md", "CITATION.cff"
-_PACKAGES = ("ev_control", "ev_core", "ev_doors", "ev_msgs_py", "ev_papers", "ev_sim")
-FILES = (*(f"src/{name}/package.xml" for name in _PACKAGES), CITATION)
+_ROOT = Path(__file__).parents[1]
+_PACKAGES = sorted(path.relative_to(_ROOT).as_posix() for path in _ROOT.glob("src/*/package.xml"))
+FILES = (*_PACKAGES, CITATION)
 _UNRELEASED = "## [Unreleased]\n"
 _VERSION = re.compile(r"\d+\.\d+\.\d+")
 

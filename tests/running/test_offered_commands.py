@@ -34,7 +34,6 @@ def package(monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
 
 def test_a_command_of_another_package_is_performed_and_listed(package: ModuleType, capsys):
     package.COMMANDS = {"greet": (f"{__name__}:greet", "print the words")}
-    sys.modules.setdefault(__name__, sys.modules[greet.__module__])
     perform(["greet", "a", "b"])
     perform(["--help"])
     greeting, *lines = capsys.readouterr().out.splitlines()
