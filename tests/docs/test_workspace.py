@@ -144,7 +144,7 @@ def test_a_form_for_issues_has_what_github_needs(form: Path):
 
 
 def test_the_readme_is_short():
-    assert (ROOT / "README.md").read_text().count("\n") <= 200
+    assert (ROOT / "README.md").read_text().count("\n") <= 150
 
 
 def test_requirements_are_pinned():

@@ -1,1 +1,1 @@
-"""The parts of README.md and docs/ that are drawn from the declarations, so that they cannot contradict the code."""
+"""The parts of docs/ that are drawn from the declarations, so that they cannot contradict the code."""

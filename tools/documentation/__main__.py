@@ -29,7 +29,7 @@ from ev_msgs_py.refusal import unknown_name
 
 
 def main(argv: list[str] | None = None) -> None:
-    """Write the generated parts of README.md and docs/ anew; exit status 1 if --check finds one that is stale."""
+    """Write the generated parts of docs/ anew; exit status 1 if --check finds one that is stale."""
     parser = argparse.ArgumentParser(prog="document.sh", description="Write the generated parts of the pages.")
     parser.add_argument("root", type=Path, help="top of the repository")
     way = parser.add_mutually_exclusive_group()
@@ -58,6 +58,7 @@ def main(argv: list[str] | None = None) -> None:
 
 
 def _write_results(root: Path, chosen: Sequence[str]) -> None:
+    from pictures.split_friction import save_moving_picture
     from pictures.writing import save_pictures
 
     from documentation import results, scenario_results
@@ -74,6 +75,7 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
             raise unknown_name("page with results", name, known)
     wanted = chosen or known
     if README in wanted:
+        save_moving_picture(images)
         save_pictures(images)
     if HASHES in wanted:
         _write_hashes(root / HASHES)

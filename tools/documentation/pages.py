@@ -59,10 +59,9 @@ PARTS: dict[str, Callable[[], str]] = {
 
 README = "README.md"
 PAGES = {
-    README: ("graph",),
     "docs/methods.md": ("scenarios", "studies", "methods"),
     "docs/parameters.md": tuple(name for name in PARTS if name.endswith("parameters")),
-    "docs/topics.md": ("topics", "wheel names", "fields"),
+    "docs/topics.md": ("graph", "topics", "wheel names", "fields"),
     "docs/metrics.md": ("metrics of any run", "functions", "metrics of reports"),
     "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),
     "docs/measured.md": ("comparisons",),

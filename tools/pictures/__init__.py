@@ -1,1 +1,1 @@
-"""Pictures of the live page and of a report, as a browser shows them."""
+"""Pictures of pages as a browser shows them, and the moving picture of the README."""

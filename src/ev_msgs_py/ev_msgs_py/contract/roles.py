@@ -1,7 +1,7 @@
 """The graph, declared once: what each node reads and writes.
 
 The offline runner orders the roles by this table, the nodes make their publishers and subscriptions from it, and
-the diagram in the README is drawn from it.
+the graph in docs/topics.md is drawn from it.
 """
 
 from dataclasses import dataclass
