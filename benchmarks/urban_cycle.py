@@ -32,8 +32,8 @@ from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_papers.dissertation.measures.urban_cases import FIVE, METHODS, SCENARIO, case
 from ev_sim.recording.offline import load_compiled
 from ev_sim.scenarios.scenario import Run, load_scenario
-from ev_sim.study.asr_shootout import controls, values_of
-from ev_sim.study.study import Case, run_of
+from ev_study.studies.asr_shootout import controls, values_of
+from ev_study.studies.study import Case, run_of
 
 DRIVER, SEED = "pulse", 1
 # What the plant alone is told; one in speed mode gets a set-point out of reach, with which it is in torque mode.

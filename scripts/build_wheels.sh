@@ -8,9 +8,9 @@ wheel=(python3 -m pip wheel)
 [[ ! -x "$root/.venv/bin/python" ]] || wheel=("$root/.venv/bin/python" -m pip wheel --no-build-isolation)
 copy="$(mktemp -d)"
 trap 'rm -rf "$copy"' EXIT
-for package in ev_msgs_py ev_core ev_control ev_sim ev_doors ev_papers; do # of copies: a build leaves its traces beside the sources
-    mkdir "$copy/$package"
-    (cd "$root/src/$package" && tar --dereference --exclude=__pycache__ --exclude='*.egg-info' -cf - .) | tar -xf - -C "$copy/$package"
+for package in "$root"/src/*; do # of copies: a build leaves its traces beside the sources
+    mkdir "$copy/${package##*/}"
+    (cd "$package" && tar --dereference --exclude=__pycache__ --exclude='*.egg-info' -cf - .) | tar -xf - -C "$copy/${package##*/}"
 done
 "${wheel[@]}" --quiet --disable-pip-version-check --no-deps --wheel-dir "$folder" "$copy"/*
 ls "$folder"/ev_*.whl

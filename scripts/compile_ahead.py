@@ -20,7 +20,7 @@ IMPORTED = (
     "ev_sim.recording.run_recorder",
     "ev_sim.report.page.writing",
     "ev_sim.running.processes",
-    "ev_sim.study.run_study",
+    "ev_study.studies.run_study",
 )
 
 

@@ -223,10 +223,11 @@ record_environment() {
 # The Python of .venv finds the packages by itself, as a kernel of Jupyter has to. Python reads a .pth file in the
 # encoding of the locale, so the paths are written in ASCII, as a list that Python evaluates.
 record_paths() {
+    local packages=(src/*)
     .venv/bin/python -c '
 import sys
 print("import sys; sys.path +=", ascii(sys.argv[1:]))' \
-        "$root"/build/{ev_msgs_py,ev_core,ev_control,ev_sim,ev_doors,ev_papers} >"$(packages_folder)/ev_stack.pth"
+        "${packages[@]/#src/$root/build}" >"$(packages_folder)/ev_stack.pth"
 }
 
 compile_ahead() {

@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
-from ev_sim.study.study import Case, CaseResult, Measure, drive_case
-from ev_sim.verdicts.need import Driven, Kept, Need, ScenarioNeed, Value, drive, kept_by_user
-from ev_sim.verdicts.sources import Published, published, sources
-from ev_sim.verdicts.verdict import Verdict, verdict
+from ev_study.studies.study import Case, CaseResult, Measure, drive_case
+from ev_study.verdicts.need import Driven, Kept, Need, ScenarioNeed, Value, drive, kept_by_user
+from ev_study.verdicts.sources import Published, published, sources
+from ev_study.verdicts.verdict import Verdict, verdict
 
 
 def verdict_on(id: str, *changed: Value) -> Verdict:

@@ -14,11 +14,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ev_core.lockstep.configuration import Configuration
-from ev_sim.measured.free_parameters import GROUPS, FreeParameter, free_parameters
-from ev_sim.measured.identification import identify
-from ev_sim.measured.identified import Identified
-from ev_sim.measured.intervals import knowledge
-from ev_sim.measured.records.record import (
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import Recording
+from ev_sim.scenarios.scenario import Overrides
+from ev_study.measured.free_parameters import GROUPS, FreeParameter, free_parameters
+from ev_study.measured.identification import identify
+from ev_study.measured.identified import Identified
+from ev_study.measured.intervals import knowledge
+from ev_study.measured.records.record import (
     LATERAL,
     LONGITUDINAL,
     ROAD_WHEEL_ANGLE,
@@ -30,10 +33,7 @@ from ev_sim.measured.records.record import (
     Sampled,
     measured,
 )
-from ev_sim.measured.replays.open_loop import OpenLoop, graph, windows_of
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Overrides
+from ev_study.measured.replays.open_loop import OpenLoop, graph, windows_of
 
 CAR, CAR_WITH_CURVE, PERIOD, OFF = "compact_ev", "audi_a2", 0.01, 1.1
 NOISE = {LONGITUDINAL: 0.05, LATERAL: 0.05, YAW_RATE: 0.01, ROAD_WHEEL_ANGLE: 0.0005}  # m/s, m/s, rad/s, rad

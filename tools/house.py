@@ -9,7 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-ROOM, FILE, MEDIAN = 15, 300, 100  # most modules of a room, most lines of a file, least lines of the middle one
+ROOM = 15  # most modules of a room
+FILE = 500  # most lines of a file, which is one idea
+MEDIAN = 100  # least lines of the middle file
 
 
 @dataclass(frozen=True)

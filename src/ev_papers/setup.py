@@ -59,7 +59,7 @@ setup(
         ("share/ev_papers", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=[f"ev_sim=={VERSION}"],
+    install_requires=[f"ev_study=={VERSION}"],
     extras_require={"test": ["pytest"]},
     zip_safe=False,  # published.csv is read as a file
     entry_points={

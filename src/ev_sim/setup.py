@@ -29,7 +29,6 @@ MANOEUVRES = (
     "step_steer",
     "straight_brake_split_mu",
 )
-STUDIES = ("asr_shootout", "bench_faults", "compare", "energy", "faults", "sweep")
 IS_COLCON = not {"install", "develop"}.isdisjoint(sys.argv)
 
 # ev_sim/config is a link to the folder at the top of the repository.
@@ -69,11 +68,9 @@ setup(
     extras_require={
         "bag": ["rosbags==0.11.*"],
         "can": [f"ev_core[can]=={VERSION}"],
-        "cluster": ["dask", "distributed"],
         "frame": ["pandas"],
         "parquet": ["pyarrow"],
         "test": ["pytest"],
-        "tune": ["cma>=4.4"],
     },
     zip_safe=False,  # config is read as files
     entry_points={
@@ -82,7 +79,6 @@ setup(
         "ev_stack.nodes": NODES,
         "ev_stack.config": ["ev_sim = ev_sim"],
         "ev_stack.reports": [f"{name} = ev_sim.manoeuvres.{name}" for name in MANOEUVRES],
-        "ev_stack.studies": [f"{name} = ev_sim.study.{name}" for name in STUDIES],
         "ev_stack.methods": [f"{role} = ev_sim.methods.{role}" for role in (*ROLES, "test_bench")],
     },
 )

@@ -20,9 +20,6 @@ from ev_core.vehicle.motor import Motor
 from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_sim.analysis.__main__ import main as analyse
-from ev_sim.analysis.linear_models import SideSlipModel
-from ev_sim.analysis.linearised_plant import OperatingPoint, linearised
 from ev_sim.measures.understeer import (
     axle_cornering_stiffnesses,
     characteristic_speed,
@@ -31,6 +28,9 @@ from ev_sim.measures.understeer import (
 )
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.planar_state import VY, YAW_RATE
+from ev_study.analysis.__main__ import main as analyse
+from ev_study.analysis.linear_models import SideSlipModel
+from ev_study.analysis.linearised_plant import OperatingPoint, linearised
 
 CAR = SideSlipModel(wheelbase=2.7, mass=2400.0, yaw_inertia=4200.0, axle_cornering_stiffness=120e3, speed=7.0)
 GE_NI = Vehicle(

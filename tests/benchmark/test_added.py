@@ -13,10 +13,10 @@ import pytest
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.benchmark.added import check_laws, with_added
-from ev_sim.benchmark.board import read_board
-from ev_sim.commands.benchmark import _words, run_benchmark
 from ev_sim.commands.run_scenario import main
+from ev_study.benchmark.added import check_laws, with_added
+from ev_study.benchmark.board import read_board
+from ev_study.commands.benchmark import _words, run_benchmark
 
 EXAMPLE = str(Path(__file__).parents[2] / "docs" / "examples" / "yaw_moment.py")
 CELL = "layout_1_8_c:all:step_steer:wet:*"

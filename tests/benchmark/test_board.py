@@ -12,19 +12,19 @@ import pytest
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.cell_runs import run_of, values_of
-from ev_sim.benchmark.draws import drawn
-from ev_sim.benchmark.driving import drive_cell
-from ev_sim.benchmark.ranking.result import BoardResult
-from ev_sim.benchmark.ranking.tables import closed_division, law_rows, score_rows
 from ev_sim.command_line.options import arguments, overrides
-from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.commands.run_scenario import main
 from ev_sim.measures.own_metrics import named_metrics
 from ev_sim.measures.registry import driven_run
 from ev_sim.recording.offline import run_offline, true_motion
 from ev_sim.scenarios.scenario import load_scenario
+from ev_study.benchmark.board import read_board
+from ev_study.benchmark.cell_runs import run_of, values_of
+from ev_study.benchmark.draws import drawn
+from ev_study.benchmark.driving import drive_cell
+from ev_study.benchmark.ranking.result import BoardResult
+from ev_study.benchmark.ranking.tables import closed_division, law_rows, score_rows
+from ev_study.commands.benchmark import run_benchmark
 
 SMALL = replace(read_board("small"), draws=3)
 STEP = "layout_1_8_c:all:step_steer:wet:*"

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.benchmark.added import check_laws, with_added
-from ev_sim.benchmark.board import Board, read_board
-from ev_sim.benchmark.driving import drive_cell
-from ev_sim.benchmark.manoeuvre import Manoeuvre
-from ev_sim.benchmark.ranking.result import BoardResult
-from ev_sim.benchmark.ranking.scores import LARGEST, costs_of, demand_met
+from ev_study.benchmark.added import check_laws, with_added
+from ev_study.benchmark.board import Board, read_board
+from ev_study.benchmark.driving import drive_cell
+from ev_study.benchmark.manoeuvre import Manoeuvre
+from ev_study.benchmark.ranking.result import BoardResult
+from ev_study.benchmark.ranking.scores import LARGEST, costs_of, demand_met
 
 CHEATS = '''
 from dataclasses import dataclass

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ev_sim.benchmark.ranking.distributions import COSTS_SHOWN, improvement, performance_profiles
-from ev_sim.benchmark.ranking.drawing import undominated
+from ev_study.benchmark.ranking.distributions import COSTS_SHOWN, improvement, performance_profiles
+from ev_study.benchmark.ranking.drawing import undominated
 
 
 def test_a_profile_is_the_share_of_runs_that_cost_no_more():

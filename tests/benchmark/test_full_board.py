@@ -14,21 +14,21 @@ from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.by_period import batch_by_period
-from ev_sim.benchmark import entry_speed
-from ev_sim.benchmark.added import check_laws
-from ev_sim.benchmark.board import CASES, Board, read_board
-from ev_sim.benchmark.cell_runs import run_of, values_of
-from ev_sim.benchmark.draws import drawn
-from ev_sim.benchmark.driving import drive_cell, drive_law, laws_in_cell
-from ev_sim.benchmark.entry_speed import CLEAN, END, HASH, at_speeds, clean, last_true
-from ev_sim.benchmark.held_out import with_cases
-from ev_sim.benchmark.ranking.law_pages import overview
-from ev_sim.benchmark.ranking.result import BoardResult
 from ev_sim.command_line.options import arguments, overrides
 from ev_sim.measures import motion
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording, signal_hash
 from ev_sim.scenarios.scenario import load_scenario
+from ev_study.benchmark import entry_speed
+from ev_study.benchmark.added import check_laws
+from ev_study.benchmark.board import CASES, Board, read_board
+from ev_study.benchmark.cell_runs import run_of, values_of
+from ev_study.benchmark.draws import drawn
+from ev_study.benchmark.driving import drive_cell, drive_law, laws_in_cell
+from ev_study.benchmark.entry_speed import CLEAN, END, HASH, at_speeds, clean, last_true
+from ev_study.benchmark.held_out import with_cases
+from ev_study.benchmark.ranking.law_pages import overview
+from ev_study.benchmark.ranking.result import BoardResult
 
 CAR = "layout_1_8_c:all"
 HALVINGS = 3

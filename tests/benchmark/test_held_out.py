@@ -11,11 +11,11 @@ import pytest
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.cell_runs import run_of, values_of
-from ev_sim.benchmark.draws import drawn
-from ev_sim.benchmark.held_out import held_out
-from ev_sim.commands.benchmark import run_benchmark
+from ev_study.benchmark.board import read_board
+from ev_study.benchmark.cell_runs import run_of, values_of
+from ev_study.benchmark.draws import drawn
+from ev_study.benchmark.held_out import held_out
+from ev_study.commands.benchmark import run_benchmark
 
 SMALL = read_board("small")
 STEP = "step_steer:wet:*"

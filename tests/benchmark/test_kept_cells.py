@@ -14,13 +14,13 @@ import pytest
 from schedulers import scheduler_with_two_workers
 
 from ev_core.parameters.data_file import files_in_config
-from ev_sim.benchmark import kept_cells
-from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.driving import DrivenCell, drive_cell
-from ev_sim.benchmark.kept_cells import KeptCells
-from ev_sim.benchmark.ranking.result import BoardResult
-from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.recording.outcome import RunFailed
+from ev_study.benchmark import kept_cells
+from ev_study.benchmark.board import read_board
+from ev_study.benchmark.driving import DrivenCell, drive_cell
+from ev_study.benchmark.kept_cells import KeptCells
+from ev_study.benchmark.ranking.result import BoardResult
+from ev_study.commands.benchmark import run_benchmark
 
 SMALL = replace(read_board("small"), draws=2)
 STEP = "layout_1_8_c:all:step_steer:wet:*"
@@ -149,7 +149,7 @@ def test_a_scheduler_gives_the_same_bits_though_a_worker_is_lost(
         victim.kill()
 
     monkeypatch.setattr(KeptCells, "keep", kill)
-    monkeypatch.setattr("ev_sim.commands.benchmark.RUNS_OF_A_JOB", 1)
+    monkeypatch.setattr("ev_study.commands.benchmark.RUNS_OF_A_JOB", 1)
     with scheduler_with_two_workers() as (address, victim):
         run_benchmark([*WORDS, "--scheduler", address, "--out", str(tmp_path)])
         assert victim.wait() != 0

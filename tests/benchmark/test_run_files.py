@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ev_sim.benchmark.board import Cell, read_board
-from ev_sim.benchmark.driving import DrivenCell
-from ev_sim.benchmark.ranking import run_files
-from ev_sim.benchmark.ranking.result import BoardResult
-from ev_sim.benchmark.ranking.tables import cell_rows
 from ev_sim.measures.own_metrics import named_metrics
+from ev_study.benchmark.board import Cell, read_board
+from ev_study.benchmark.driving import DrivenCell
+from ev_study.benchmark.ranking import run_files
+from ev_study.benchmark.ranking.result import BoardResult
+from ev_study.benchmark.ranking.tables import cell_rows
 
 BOARD = replace(read_board("small"), draws=4)
 LAWS = [BOARD.reference, "pi"]

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ev_sim.benchmark.board import read_board
-from ev_sim.benchmark.manoeuvre import Manoeuvre
-from ev_sim.benchmark.ranking.scores import LARGEST, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
+from ev_study.benchmark.board import read_board
+from ev_study.benchmark.manoeuvre import Manoeuvre
+from ev_study.benchmark.ranking.scores import LARGEST, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
 
 NONE_UNSTABLE = np.zeros((2, 3), bool)
 BOARD = replace(read_board("small"), reference="without", scales={"peak_sideslip": 0.01})

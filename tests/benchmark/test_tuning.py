@@ -14,14 +14,14 @@ import pytest
 from ev_core.parameters.data_file import files_in_config
 from ev_core.parameters.declaration import parameter
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.benchmark.board import ROLE, read_board
-from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
-from ev_sim.benchmark.driving import drive_cell
-from ev_sim.commands.benchmark import run_benchmark
-from ev_sim.commands.tune import run_tune, search_key
-from ev_sim.tuning.free import Free, free_parameters
-from ev_sim.tuning.search import chosen, search
-from ev_sim.tuning.training import Reference, Training, robust_cost
+from ev_study.benchmark.board import ROLE, read_board
+from ev_study.benchmark.cell_runs import law_of, run_of, values_of
+from ev_study.benchmark.driving import drive_cell
+from ev_study.commands.benchmark import run_benchmark
+from ev_study.commands.tune import run_tune, search_key
+from ev_study.tuning.free import Free, free_parameters
+from ev_study.tuning.search import chosen, search
+from ev_study.tuning.training import Reference, Training, robust_cost
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "yaw_moment.py"
 CELL = "layout_1_8_c:all:step_steer:wet:*"
@@ -165,7 +165,7 @@ def test_a_stopped_search_goes_on_and_gives_the_same(tmp_path: Path, monkeypatch
         run_tune([*WORDS, "--out", str(stopped)])
     monkeypatch.undo()
     with monkeypatch.context() as patch:  # the reference is in the journal, too
-        patch.delattr("ev_sim.tuning.training.drive_cell")
+        patch.delattr("ev_study.tuning.training.drive_cell")
         run_tune([*WORDS, "--out", str(stopped)])
     assert "went on behind 1 generations" in capsys.readouterr().out
     rows = history(whole)

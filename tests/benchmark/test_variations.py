@@ -14,13 +14,13 @@ import yaml
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.benchmark.board import MOTOR_FAULT, TOLD_FRICTION, Board, Cell, Variation, read_board
-from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
-from ev_sim.benchmark.draws import drawn, own_draws
-from ev_sim.benchmark.driving import DrivenCell, drive_cell, laws_in_cell
-from ev_sim.benchmark.kept_cells import KeptCells
-from ev_sim.benchmark.ranking.varied import Difference, Varied, differences_by_variation, mantel_haenszel
 from ev_sim.commands.run_scenario import main
+from ev_study.benchmark.board import MOTOR_FAULT, TOLD_FRICTION, Board, Cell, Variation, read_board
+from ev_study.benchmark.cell_runs import law_of, run_of, values_of
+from ev_study.benchmark.draws import drawn, own_draws
+from ev_study.benchmark.driving import DrivenCell, drive_cell, laws_in_cell
+from ev_study.benchmark.kept_cells import KeptCells
+from ev_study.benchmark.ranking.varied import Difference, Varied, differences_by_variation, mantel_haenszel
 
 PERIODS = [0.005, 0.02]
 VARIATIONS = [

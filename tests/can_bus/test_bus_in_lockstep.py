@@ -19,9 +19,9 @@ from ev_sim.recording.offline import logged_frames, run_offline, write_can_log
 from ev_sim.recording.recording import Recording, signal_hash
 from ev_sim.running.processes import run_in_process, run_in_processes
 from ev_sim.scenarios.scenario import Overrides, load_scenario
-from ev_sim.study import bench_faults
-from ev_sim.study.bench_faults import FAULTS, trial
-from ev_sim.study.study import drive_case
+from ev_study.studies import bench_faults
+from ev_study.studies.bench_faults import FAULTS, trial
+from ev_study.studies.study import drive_case
 
 pytestmark = pytest.mark.slow
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from documentation.benchmark_board import NAME, PAGE, cell_table, drive_small
-from ev_sim.benchmark.board import read_board
+from ev_study.benchmark.board import read_board
 
 TEXT = (Path(__file__).parents[2] / PAGE).read_text()
 NUMBER = re.compile(r" \d+\.\d\d ")

@@ -15,14 +15,14 @@ from documentation.__main__ import main
 from documentation.full_board import hold_against, kept, kept_board, write_kept
 from documentation.full_board_tables import PAGE, PARTS
 from documentation.markdown import block_names
-from ev_sim.benchmark.board import Board, read_board
-from ev_sim.benchmark.driving import drive_law, laws_in_cell
-from ev_sim.benchmark.entry_speed import HASH
-from ev_sim.benchmark.ranking import run_files
-from ev_sim.benchmark.ranking.result import BoardResult
-from ev_sim.benchmark.ranking.scores import interquartile_mean
-from ev_sim.benchmark.ranking.tables import DIGITS
-from ev_sim.commands.benchmark import drive_board
+from ev_study.benchmark.board import Board, read_board
+from ev_study.benchmark.driving import drive_law, laws_in_cell
+from ev_study.benchmark.entry_speed import HASH
+from ev_study.benchmark.ranking import run_files
+from ev_study.benchmark.ranking.result import BoardResult
+from ev_study.benchmark.ranking.scores import interquartile_mean
+from ev_study.benchmark.ranking.tables import DIGITS
+from ev_study.commands.benchmark import drive_board
 
 ROOT = Path(__file__).parents[2]
 BOARD = read_board("full")
@@ -150,7 +150,7 @@ def test_another_board_is_refused(folder: Path, tmp_path_factory: pytest.TempPat
 def test_what_is_no_board_is_one_line(
     change: Callable[[Path], object], line: str, folder: Path, few: Board, tmp_path_factory, monkeypatch
 ):
-    monkeypatch.setattr("ev_sim.benchmark.board.read_board", lambda _: few)
+    monkeypatch.setattr("ev_study.benchmark.board.read_board", lambda _: few)
     change(folder)
     output = refusal(tmp_path_factory.mktemp("root"), folder)
     assert line in output and "\n" not in output

@@ -13,8 +13,8 @@ import pytest
 
 from documentation.full_board import kept
 from documentation.full_board_tables import PAGE
-from ev_sim.benchmark.ranking.tables import EQUAL
-from ev_sim.benchmark.ranking.varied import Difference
+from ev_study.benchmark.ranking.tables import EQUAL
+from ev_study.benchmark.ranking.varied import Difference
 
 TEXT = " ".join((Path(__file__).parents[2] / PAGE).read_text(encoding="utf-8").split())
 YAW_RATE = ("pi", "lqr", "predictive", "sliding_mode", "super_twisting", "suboptimal")  # without more beside it

@@ -83,7 +83,7 @@ def without(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_without_the_folder_of_a_source_the_others_are_listed(without: Path, tmp_path: Path):
     code = (
-        "from ev_sim.verdicts.verdict import wanted\nfrom ev_sim.verdicts.sources import sources\n"
+        "from ev_study.verdicts.verdict import wanted\nfrom ev_study.verdicts.sources import sources\n"
         "print(*sources())\nprint(*sorted({source for source, _ in wanted((), quick=False)}))"
     )
     known, judged = said(code, without, tmp_path).splitlines()

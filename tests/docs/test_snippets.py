@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 import ev_sim
+from ev_sim.command_line.offered_commands import offered_commands
 from ev_sim.command_line.options import arguments
 from ev_sim.commands import run_scenario
-from ev_sim.commands.run_scenario import REVIEWS
-from ev_sim.measured.records.mapping import read_record
 from ev_sim.scenarios.scenario import Overrides, load_scenario
-from ev_sim.study.run_study import arguments as arguments_of_study
-from ev_sim.study.study import study_names
+from ev_study.measured.records.mapping import read_record
+from ev_study.studies.run_study import arguments as arguments_of_study
+from ev_study.studies.study import study_names
 
 ROOT = Path(__file__).parents[2]
 PAGES = [*sorted((ROOT / "docs").rglob("*.md")), *ROOT.glob("*.md")]
@@ -108,7 +108,7 @@ def test_commands_that_pages_show_are_understood(line):
     for word in words:
         if re.fullmatch(r"(scripts|docs|benchmarks|tools)/[\w/]+\.\w+", word):
             assert (ROOT / word).is_file(), word
-    if words[:1] == ["scripts/run.sh"] and len(words) > 1 and words[1] not in REVIEWS:
+    if words[:1] == ["scripts/run.sh"] and len(words) > 1 and words[1] not in offered_commands().reviews:
         given = arguments_of_study(words[1], words[2:]) if words[1] in study_names() else arguments(words[1:])
         assert given
 

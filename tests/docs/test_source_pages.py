@@ -8,8 +8,8 @@ from judging import drive_here
 from source_runs import driven
 
 from documentation.scenario_results import SCENARIO_PAGES, results_of, study_table
-from ev_sim.study.run_study import arguments
-from ev_sim.study.study import study_named
+from ev_study.studies.run_study import arguments
+from ev_study.studies.study import study_named
 
 ROOT = Path(__file__).parents[2]
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")

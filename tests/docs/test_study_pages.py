@@ -8,9 +8,9 @@ from documentation.asr_seeds import seed_tables
 from documentation.markdown import with_blocks
 from documentation.measured import is_long, read_measured, sample
 from documentation.scenario_results import STUDY_PAGES, study_table
-from ev_sim.study.study import study_named
-from ev_sim.study.workers import drive_cases
-from ev_sim.verdicts.need import StudyNeed
+from ev_study.studies.study import study_named
+from ev_study.studies.workers import drive_cases
+from ev_study.verdicts.need import StudyNeed
 
 ROOT = Path(__file__).parents[2]
 STUDIES = [(page, study) for page, studies in STUDY_PAGES.items() for study in studies]

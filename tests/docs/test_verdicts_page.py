@@ -8,11 +8,11 @@ from judging import driven
 
 from documentation.measured import is_long, read_measured, sample
 from documentation.verdict_tables import COUNTS, PAGE, count_table, rows
-from ev_sim.study.study import study_named
-from ev_sim.study.workers import drive_cases
-from ev_sim.verdicts.need import Driven, Need, StudyNeed, cases_of
-from ev_sim.verdicts.sources import Published, published, sources
-from ev_sim.verdicts.verdict import markdown_row, verdict, wanted
+from ev_study.studies.study import study_named
+from ev_study.studies.workers import drive_cases
+from ev_study.verdicts.need import Driven, Need, StudyNeed, cases_of
+from ev_study.verdicts.sources import Published, published, sources
+from ev_study.verdicts.verdict import markdown_row, verdict, wanted
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / PAGE).read_text()

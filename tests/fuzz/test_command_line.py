@@ -14,9 +14,9 @@ from ev_sim.command_line.offered_commands import offered_commands
 from ev_sim.command_line.options import arguments, overrides, own_nodes
 from ev_sim.commands import ev_stack
 from ev_sim.scenarios.scenario import load_scenario
-from ev_sim.study.run_study import arguments as study_arguments
-from ev_sim.study.run_study import study_cases
-from ev_sim.study.study import study_named
+from ev_study.studies.run_study import arguments as study_arguments
+from ev_study.studies.run_study import study_cases
+from ev_study.studies.study import study_named
 
 _texts = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=12)
 _values = st.sampled_from(

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from ev_core.parameters.data_file import RecordingError, config_folders
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.reviews import read_folder
+from ev_sim.commands.report import read_folder
 from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
 from ev_sim.recording.recording import Recording, load, save
 from ev_sim.scenarios.parameter_file import ParameterFile

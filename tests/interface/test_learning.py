@@ -23,11 +23,11 @@ from ev_doors.learning.environment import ACTIONS, Environment
 from ev_doors.learning.limits import limits
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.interface.simulation import Simulation
 from ev_sim.recording.offline import written_topics
 from ev_sim.recording.recording import signal_hash
 from ev_sim.scenarios.about import vehicle_of
+from ev_study.commands.benchmark import run_benchmark
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "random_agent.py"
 BRAKES_BY_DRIVES = ("blended_brakes",)

@@ -13,7 +13,7 @@ from ev_msgs_py.contract.signals import SteeringColumnState
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
 from ev_papers.shchur2019.course import measure
-from ev_sim.study.study import Case, drive_case
+from ev_study.studies.study import Case, drive_case
 
 LAW = "course_stability"
 FAST = Wheels.all(20.0 / 0.294)  # 20 m/s

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
 from ev_papers.ge_ni2005.wheel_speeds import cases, measure
-from ev_sim.study.study import drive_case
+from ev_study.studies.study import drive_case
 
 LAW = "wheel_speed"
 TURNED = 1.12 * math.tan(0.03) / (2 * 1.72)  # k of a left turn by 0.03 rad

@@ -11,7 +11,7 @@ from ev_core.methods.offered import offered, offered_module
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.report.reports import report_for
 from ev_sim.scenarios.scenario import load_scenario
-from ev_sim.study.study import study_named
+from ev_study.studies.study import study_named
 
 GROUP = "ev_stack.reports"
 

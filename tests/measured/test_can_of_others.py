@@ -12,8 +12,8 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.measured.records.mapping import read_record
-from ev_sim.measured.records.record import LONGITUDINAL, STEERING_WHEEL_ANGLE, YAW_RATE, MeasuredRecord
+from ev_study.measured.records.mapping import read_record
+from ev_study.measured.records.record import LONGITUDINAL, STEERING_WHEEL_ANGLE, YAW_RATE, MeasuredRecord
 
 STEPS, PERIOD = 200, 0.01
 DBC = """VERSION ""

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from ev_sim.commands.run_scenario import main
-from ev_sim.measured.comparisons.comparison import FILE, declared
-from ev_sim.measured.comparisons.planar_mechanics import SINGLE_TRACK, TWO_TRACK, equations_at_end, wheel_on_arm
+from ev_study.measured.comparisons.comparison import FILE, declared
+from ev_study.measured.comparisons.planar_mechanics import SINGLE_TRACK, TWO_TRACK, equations_at_end, wheel_on_arm
 
 TIME = np.linspace(0.0, 2.0, 1001)
 ROOT = Path(__file__).parents[2]

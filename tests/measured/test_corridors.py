@@ -7,14 +7,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ev_sim.measured.records.record import (
+from ev_study.measured.records.record import (
     LONGITUDINAL,
     ROAD_WHEEL_ANGLE,
     SIDESLIP,
     YAW_RATE,
     sideslip,
 )
-from ev_sim.measured.replays.corridors import STEERING, Corridor, CorridorParameters, corridors_of
+from ev_study.measured.replays.corridors import STEERING, Corridor, CorridorParameters, corridors_of
 
 
 def test_what_lies_inside_by_instants_ranges_and_medians():

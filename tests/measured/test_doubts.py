@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 from measured.made_records import CAR, PERIOD, columns_of, driven, write
 
 from ev_sim.commands.run_scenario import main
-from ev_sim.measured.free_parameters import free_parameters
-from ev_sim.measured.identification import FLOORS, Residuals, identify
-from ev_sim.measured.identified import PARTS, Identified
-from ev_sim.measured.intervals import knowledge
-from ev_sim.measured.records.record import (
+from ev_sim.scenarios.scenario import Overrides
+from ev_study.measured.free_parameters import free_parameters
+from ev_study.measured.identification import FLOORS, Residuals, identify
+from ev_study.measured.identified import PARTS, Identified
+from ev_study.measured.intervals import knowledge
+from ev_study.measured.records.record import (
     LATERAL,
     LATERAL_ACCELERATION,
     LONGITUDINAL,
@@ -30,9 +31,8 @@ from ev_sim.measured.records.record import (
     Sampled,
     measured,
 )
-from ev_sim.measured.replays.open_loop import OpenLoop, graph, windows_of
-from ev_sim.measured.replays.plausibility import contradictions
-from ev_sim.scenarios.scenario import Overrides
+from ev_study.measured.replays.open_loop import OpenLoop, graph, windows_of
+from ev_study.measured.replays.plausibility import contradictions
 
 CHANNELS = (LONGITUDINAL, LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE, LATERAL_ACCELERATION, LONGITUDINAL_ACCELERATION)
 

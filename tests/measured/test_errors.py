@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ev_sim.measured.replays.errors import by_range, by_window, errors_of, spins
+from ev_study.measured.replays.errors import by_range, by_window, errors_of, spins
 
 TIME = np.arange(1001) * 0.01
 SINE = np.sin(2.0 * TIME)[None] * np.ones((2, 1))

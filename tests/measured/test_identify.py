@@ -12,13 +12,13 @@ from measured.made_records import CAR, columns_of, driven, write
 from ev_core.vehicle.tyre import MF_NAMES
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
-from ev_sim.measured.free_parameters import FreeParameter, free_parameters
-from ev_sim.measured.identification import Residuals
-from ev_sim.measured.intervals import in_words, knowledge
-from ev_sim.measured.journal import Journal
-from ev_sim.measured.replays.open_loop import graph
 from ev_sim.scenarios.about import vehicle_of
 from ev_sim.scenarios.scenario import Overrides
+from ev_study.measured.free_parameters import FreeParameter, free_parameters
+from ev_study.measured.identification import Residuals
+from ev_study.measured.intervals import in_words, knowledge
+from ev_study.measured.journal import Journal
+from ev_study.measured.replays.open_loop import graph
 
 FREE = ("vehicle.yaw_inertia", "vehicle.tyre.front_mf.pky1", "steering_column.offset")
 

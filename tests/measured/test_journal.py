@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from measured.test_doubts import record_of, replay_of
 
-from ev_sim.measured.journal import Journal, search_key
-from ev_sim.measured.records.record import YAW_RATE
-from ev_sim.measured.replays.open_loop import Windows
+from ev_study.measured.journal import Journal, search_key
+from ev_study.measured.records.record import YAW_RATE
+from ev_study.measured.replays.open_loop import Windows
 
 KEY = "key of a search"
 POINTS = [np.full((2, 3), float(n)) for n in range(3)]

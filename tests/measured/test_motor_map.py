@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from ev_sim.commands.run_scenario import main
-from ev_sim.measured.motor_map import fit_motor
 from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_study.measured.motor_map import fit_motor
 
 LOSSES = {
     "copper_loss": 0.06,

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from measured.made_records import CAR, PERIOD, driven
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.measured.records.record import (
+from ev_study.measured.records.record import (
     LATERAL,
     LONGITUDINAL,
     ROAD_WHEEL_ANGLE,
@@ -21,10 +21,10 @@ from ev_sim.measured.records.record import (
     Sampled,
     measured,
 )
-from ev_sim.measured.replays.errors import spins
-from ev_sim.measured.replays.open_loop import OpenLoop, graph, windows_of
-from ev_sim.measured.replays.smoothing import LEFT, LOWEST, SMOOTHED, cut_off_of, noise_of, smoothed
-from ev_sim.measured.replays.validation import Validation, signals_to_show
+from ev_study.measured.replays.errors import spins
+from ev_study.measured.replays.open_loop import OpenLoop, graph, windows_of
+from ev_study.measured.replays.smoothing import LEFT, LOWEST, SMOOTHED, cut_off_of, noise_of, smoothed
+from ev_study.measured.replays.validation import Validation, signals_to_show
 
 IMPOSED_AND_COMPARED = (LONGITUDINAL, LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE)
 

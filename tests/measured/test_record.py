@@ -7,9 +7,9 @@ import pytest
 from measured.made_records import CHANNELS, MAPPING, columns_of, driven, write
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.measured.records.mapping import read_record
-from ev_sim.measured.records.record import SIDESLIP
-from ev_sim.measured.replays.open_loop import windows_of
+from ev_study.measured.records.mapping import read_record
+from ev_study.measured.records.record import SIDESLIP
+from ev_study.measured.replays.open_loop import windows_of
 
 
 @pytest.mark.parametrize("name", ["made.csv", "made.csv.xz"])

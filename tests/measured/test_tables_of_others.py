@@ -13,10 +13,10 @@ from measured.made_records import MAPPING, columns_of, driven, write
 from measured.test_foreign_records import write_bag
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.measured.records import bags
-from ev_sim.measured.records.mapping import read_record
-from ev_sim.measured.records.record import LONGITUDINAL, YAW_RATE, MeasuredRecord
-from ev_sim.measured.records.samples import believed
+from ev_study.measured.records import bags
+from ev_study.measured.records.mapping import read_record
+from ev_study.measured.records.record import LONGITUDINAL, YAW_RATE, MeasuredRecord
+from ev_study.measured.records.samples import believed
 
 
 def text_of(folder: Path) -> str:

@@ -11,9 +11,9 @@ from measured.made_records import CAR, PERIOD, columns_of, driven, write
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.commands.run_scenario import main
-from ev_sim.measured.replays.open_loop import graph
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides
+from ev_study.measured.replays.open_loop import graph
 
 IN_CORRIDORS = ("steering_angle", "twist.yaw_rate", "sideslip")
 

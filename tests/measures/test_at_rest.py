@@ -8,8 +8,8 @@ from ev_sim.figures.panels import motion_panels
 from ev_sim.manoeuvres import sine_with_dwell
 from ev_sim.measures import motion
 from ev_sim.recording.recording import Recording
-from ev_sim.study import compare
-from ev_sim.study.study import Case, drive_case
+from ev_study.studies import compare
+from ev_study.studies.study import Case, drive_case
 
 STOPPED = {
     "twist.longitudinal": np.array([10.0, 10.0, 1e-17, -1e-17, 10.0]),

@@ -11,10 +11,10 @@ import pytest
 import ev_sim
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
-from ev_sim.replay.graph import replay_of
-from ev_sim.replay.recorded import find_recorded
 from ev_sim.running.node_process import command
 from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_study.replay.graph import replay_of
+from ev_study.replay.recorded import find_recorded
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler here")
 

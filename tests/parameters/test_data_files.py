@@ -19,13 +19,13 @@ from ev_core.lockstep.configuration import configure
 from ev_core.parameters.data_file import SIGNALS, TABLE, TEXT, RecordingError
 from ev_core.vehicle.files import read_tyre
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.reviews import read_folder
+from ev_sim.commands.report import read_folder
 from ev_sim.profiles.profile import cycle_values
 from ev_sim.recording.recording import load
-from ev_sim.replay.recorded import find_recorded
 from ev_sim.scenarios.about import vehicle_file
 from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_study.replay.recorded import find_recorded
 
 REFUSED = (ParameterError, RecordingError)
 # By kind of file its name, the largest size and who reads it.

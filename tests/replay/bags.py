@@ -13,10 +13,10 @@ from ev_sim.recording.durable_bag import DurableBag
 from ev_sim.recording.recording import Recording
 from ev_sim.recording.run_recorder import RecorderParameters, RunRecorder
 from ev_sim.recording.spool import MessageTable
-from ev_sim.replay.graph import prepared, replay_folder, replay_of
-from ev_sim.replay.recorded import Recorded
 from ev_sim.running.offline import drive_offline
 from ev_sim.scenarios.scenario import Overrides
+from ev_study.replay.graph import prepared, replay_folder, replay_of
+from ev_study.replay.recorded import Recorded
 
 PERIOD = 10_000_000  # ns, of shchur2019
 

@@ -16,14 +16,14 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.rosbag2 import reader as rosbags_reader
 from rosbags.typesys import Stores, get_typestore
 
-import ev_sim.replay.recorded
+import ev_study.replay.recorded
 from ev_core.parameters.data_file import MEGABYTE
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.recording.recording import load
-from ev_sim.replay.comparing import in_words, latency_of
-from ev_sim.replay.graph import replay_of
-from ev_sim.replay.recorded import find_recorded
 from ev_sim.scenarios.scenario import Overrides
+from ev_study.replay.comparing import in_words, latency_of
+from ev_study.replay.graph import replay_of
+from ev_study.replay.recorded import find_recorded
 
 PART = {"/a/wheel_states": "wheel_states", "/a/torque_request": "torque_request", "/a/torque_command": "torque_command"}
 STEPS = [PERIOD * step for step in range(20)]
@@ -89,7 +89,7 @@ def test_a_chunk_that_unfolds_to_more_than_the_bound_is_one_line(monkeypatch, tm
         connection = bag.add_connection("/imu", "sensor_msgs/msg/Imu", typestore=get_typestore(Stores.ROS2_HUMBLE))
         bag.write(connection, 0, bytes(128 * MEGABYTE))
     assert sum(path.stat().st_size for path in (tmp_path / "bag").iterdir()) < MEGABYTE
-    monkeypatch.setattr(ev_sim.replay.recorded, "SIGNALS", 32 * MEGABYTE)
+    monkeypatch.setattr(ev_study.replay.recorded, "SIGNALS", 32 * MEGABYTE)
     before = resource.getrlimit(resource.RLIMIT_DATA)
     with pytest.raises(ParameterError, match=r"bag: the bag cannot be read: unfolded it takes more than 64 MB$"):
         find_recorded(tmp_path / "bag")
@@ -109,8 +109,8 @@ def test_what_a_bag_names_is_a_file_that_fits_on_the_disk(kind, turn: Path, tmp_
         (bag / "other").write_bytes(rosbags_reader.zstd.compress(bytes(16 * MEGABYTE)))
         said = re.sub("compression_mode:.*", "compression_mode: FILE", said)
         said = re.sub("compression_format:.*", "compression_format: zstd", said)
-        monkeypatch.setattr(ev_sim.replay.recorded, "SIGNALS", 4 * MEGABYTE)
-        monkeypatch.setattr(ev_sim.replay.recorded, "sys", SimpleNamespace(platform="other"))  # no limit of memory
+        monkeypatch.setattr(ev_study.replay.recorded, "SIGNALS", 4 * MEGABYTE)
+        monkeypatch.setattr(ev_study.replay.recorded, "sys", SimpleNamespace(platform="other"))  # no limit of memory
     metadata.write_text(said)
     with pytest.raises(ParameterError, match="it is a pipe" if kind == "pipe" else "File too large"):
         find_recorded(bag)

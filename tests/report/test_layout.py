@@ -21,9 +21,9 @@ from ev_sim.figures.other_axes import timing_sheet
 from ev_sim.figures.panels import Curve, Panel
 from ev_sim.figures.saving import save_figures
 from ev_sim.figures.sheets import COLUMN, TALLEST, WIDE, Sheet, printed
-from ev_sim.study import asr_shootout, compare, faults, sweep
-from ev_sim.study.run_study import arguments
-from ev_sim.study.study import CaseResult
+from ev_study.studies import asr_shootout, compare, faults, sweep
+from ev_study.studies.run_study import arguments
+from ev_study.studies.study import CaseResult
 
 TIME = np.linspace(0.0, 12.0, 200)
 LONG = "Torque of the wheel after the torque control, of the run with the longest name of all, front left"

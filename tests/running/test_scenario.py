@@ -18,9 +18,9 @@ from ev_sim.command_line.options import arguments, overrides
 from ev_sim.commands.run_scenario import main
 from ev_sim.scenarios.about import describe_scenario
 from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
-from ev_sim.study.run_study import arguments as study_arguments
-from ev_sim.study.run_study import study_cases
-from ev_sim.study.study import study_named
+from ev_study.studies.run_study import arguments as study_arguments
+from ev_study.studies.run_study import study_cases
+from ev_study.studies.study import study_named
 
 CONFIG = config_folders()[-1]
 ODD = ["../x", "a/b", "", ".", "summary.json", "ev_stack_manifest.json", "x\x1b[31m", "1", "n" * 101, "a\n", "é"]

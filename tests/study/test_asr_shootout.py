@@ -14,10 +14,10 @@ from ev_sim.commands.run_scenario import main
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.offline import run_offline, true_motion
 from ev_sim.recording.recording import Recording
-from ev_sim.study import asr_shootout
-from ev_sim.study.asr_shootout import VARIANTS
-from ev_sim.study.run_study import printed
-from ev_sim.study.study import CaseResult, drive_case, run_of
+from ev_study.studies import asr_shootout
+from ev_study.studies.asr_shootout import VARIANTS
+from ev_study.studies.run_study import printed
+from ev_study.studies.study import CaseResult, drive_case, run_of
 
 pytestmark = pytest.mark.slow
 

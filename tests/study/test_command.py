@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from ev_core.parameters.declaration import Entry
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.scenarios.scenario import load_scenario, scenario_names
-from ev_sim.study.run_study import _refuse_what_it_sets, arguments, study_cases
-from ev_sim.study.study import Case, run_of, study_named, study_names
+from ev_study.studies.run_study import _refuse_what_it_sets, arguments, study_cases
+from ev_study.studies.study import Case, run_of, study_named, study_names
 
 CARS = str(Path(__file__).with_name("electric_cars.csv"))  # a car that nobody has made
 NEEDED = {"energy": (CARS,), "sweep": ("--seeds", "2")}  # words without which a study is refused

@@ -21,11 +21,11 @@ from ev_sim.commands.run_scenario import main as run_scenario
 from ev_sim.measures import handling
 from ev_sim.measures.registry import surfaces_of
 from ev_sim.recording.recording import Recording
-from ev_sim.study import compare
-from ev_sim.study.run_study import arguments
-from ev_sim.study.study import drive_case
 from ev_sim.surfaces import SURFACES, RoadParameters
 from ev_sim.tyres.curve import peak_slip
+from ev_study.studies import compare
+from ev_study.studies.run_study import arguments
+from ev_study.studies.study import drive_case
 
 pytestmark = pytest.mark.slow
 

@@ -10,8 +10,8 @@ import pytest
 
 from ev_core.parameters.data_file import find_file
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.study import energy
-from ev_sim.study.electric_cars import (
+from ev_study.studies import energy
+from ev_study.studies.electric_cars import (
     ASSUMPTIONS,
     CYCLES,
     consumption,
@@ -20,7 +20,7 @@ from ev_sim.study.electric_cars import (
     read_assumptions,
     read_cars,
 )
-from ev_sim.study.study import drive_case
+from ev_study.studies.study import drive_case
 
 HEAD = "make,model,vehicle,configuration,drive,test_weight_lb,A_lbf,B_lbf_per_mph,C_lbf_per_mph2,udds_mpge,hwfet_mpge"
 DRIVES = ("2-Wheel Drive, Front", "All Wheel Drive")

@@ -6,8 +6,8 @@ import argparse
 
 import pytest
 
-from ev_sim.study import faults
-from ev_sim.study.study import CaseResult, drive_case
+from ev_study.studies import faults
+from ev_study.studies.study import CaseResult, drive_case
 
 pytestmark = pytest.mark.slow
 

@@ -16,12 +16,13 @@ from ev_core.lockstep import finding
 from ev_core.methods import offered as entry_points
 from ev_core.methods import register
 from ev_core.parameters.data_file import files_read, find_in_config
+from ev_sim.command_line.offered_commands import STUDIES
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios import about
-from ev_sim.study import digests, kept_rows
-from ev_sim.study.kept_rows import KeptRows, MeasureAndSave
-from ev_sim.study.study import GROUP, Case, CaseResult, drive_case
+from ev_study.studies import digests, kept_rows
+from ev_study.studies.kept_rows import KeptRows, MeasureAndSave
+from ev_study.studies.study import Case, CaseResult, drive_case
 
 LAW = '''"""A law of somebody's own."""
 
@@ -170,7 +171,7 @@ def test_what_is_published_counts_where_a_report_judges_by_it(monkeypatch):
 def test_a_changed_study_of_ones_own_drives_its_cases_anew(tmp_path, monkeypatch):
     (tmp_path / "row_study.py").write_text("TIMES = 1.0\n")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(digests, "offered", lambda group: {"own": "row_study"} if group == GROUP else {})
+    monkeypatch.setattr(digests, "offered", lambda group: {"own": "row_study"} if group == STUDIES else {})
 
     def keys() -> list[str]:
         digests._texts_of.cache_clear()

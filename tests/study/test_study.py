@@ -17,13 +17,13 @@ from patience import PATIENCE
 from schedulers import free_port, process, scheduler_with_two_workers, wait_for_listener
 
 from ev_core.parameters.data_file import files_in_config
-from ev_sim.commands.benchmark import run_benchmark
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.folder_content import digest_of
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.study.run_study import arguments
-from ev_sim.study.study import Case, drive_case
-from ev_sim.study.workers import drive_cases, refuse_other_files, refuse_others
+from ev_study.commands.benchmark import run_benchmark
+from ev_study.studies.run_study import arguments
+from ev_study.studies.study import Case, drive_case
+from ev_study.studies.workers import drive_cases, refuse_other_files, refuse_others
 
 pytestmark = pytest.mark.slow
 
@@ -117,8 +117,8 @@ import os, signal, sys
 from pathlib import Path
 from ev_sim.running.folder_content import digest_of
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.study.study import Case
-from ev_sim.study.workers import drive_cases
+from ev_study.studies.study import Case
+from ev_study.studies.workers import drive_cases
 
 folder = Path(sys.argv[1])
 
@@ -221,7 +221,7 @@ def test_workers_with_another_map_of_the_same_name(tmp_path, monkeypatch):
 
 
 def test_no_scheduler_at_that_address(monkeypatch):
-    monkeypatch.setattr("ev_sim.study.workers._PATIENCE", 0.5)
+    monkeypatch.setattr("ev_study.studies.workers._PATIENCE", 0.5)
     with pytest.raises(RunFailed, match="cannot be reached"):
         drive_cases(CASES[:1], last_speed, scheduler="tcp://127.0.0.1:9")
 
@@ -235,7 +235,7 @@ def test_workers_here_and_elsewhere_are_refused_together(read, capsys):
 
 
 def test_scheduler_without_workers(monkeypatch):
-    monkeypatch.setattr("ev_sim.study.workers._PATIENCE", 3.0)
+    monkeypatch.setattr("ev_study.studies.workers._PATIENCE", 3.0)
     address = f"tcp://127.0.0.1:{free_port()}"
     port = address.rpartition(":")[2]
     with process("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"):

@@ -16,9 +16,9 @@ from ev_sim.commands.run_scenario import main
 from ev_sim.recording.recording import load, signal_hash
 from ev_sim.report.tables import write_tables
 from ev_sim.running.folder_content import read_manifest, write_manifest
-from ev_sim.study import sweep
-from ev_sim.study.run_study import arguments
-from ev_sim.study.study import drive_case
+from ev_study.studies import sweep
+from ev_study.studies.run_study import arguments
+from ev_study.studies.study import drive_case
 
 WORDS = ("shchur2019", "--vary", "electronic_differential.gamma=0:10:3", "--vary", "plant.initial_speed=2.0,4.0")
 

@@ -10,8 +10,8 @@ import pytest
 
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.recording.outcome import RunFailed
-from ev_sim.study.run_study import _summed_up, arguments
-from ev_sim.study.study import drive_case, study_named, study_names
+from ev_study.studies.run_study import _summed_up, arguments
+from ev_study.studies.study import drive_case, study_named, study_names
 
 pytestmark = pytest.mark.slow
 NEEDED = {"energy": (str(Path(__file__).with_name("electric_cars.csv")),), "sweep": ("--seeds", "2")}

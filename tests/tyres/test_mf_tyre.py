@@ -14,11 +14,11 @@ import pytest
 from ev_core.vehicle.files import mf_numbers, read_tyre
 from ev_core.vehicle.tyre import MF_NAMES, Tyre, mf_tyres
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.measured.magic_formula import Points, lateral, longitudinal
 from ev_sim.surfaces import SURFACES, curve_on_road, tyre_on_road
 from ev_sim.tyres.contact_patch import weighted
 from ev_sim.tyres.curve import magic_formula
 from ev_sim.tyres.mf_tyre import at_load, cornering_stiffness, forces, is_plain
+from ev_study.measured.magic_formula import Points, lateral, longitudinal
 
 FILE = "tyres/pacejka_2006_205_60r15.tir"
 NUMBERS = read_tyre("vehicle.tyre.front_file", FILE)

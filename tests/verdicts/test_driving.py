@@ -17,8 +17,8 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.folder_content import locked
-from ev_sim.study.study import CaseResult, drive_case
-from ev_sim.verdicts.need import Kept, ScenarioNeed, StudyNeed, cases_of, drive
+from ev_study.studies.study import CaseResult, drive_case
+from ev_study.verdicts.need import Kept, ScenarioNeed, StudyNeed, cases_of, drive
 
 HOLDING = ScenarioNeed("shchur2019_steps", runs=("hold_manual",), duration=0.1)
 SHORT_STUDY = StudyNeed("five_methods", ("--seeds", "1", "--drivers", "pulse"))
@@ -143,7 +143,7 @@ def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Pa
 
 
 def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    from ev_sim.study import digests
+    from ev_study.studies import digests
 
     Kept(tmp_path)
     before = set(tmp_path.iterdir())

@@ -7,9 +7,9 @@ import math
 import pytest
 
 from ev_sim.measures.metric import NotMeasured
-from ev_sim.verdicts.check import SHOWN, Check, Template, Tolerance, check_of
-from ev_sim.verdicts.sources import Published
-from ev_sim.verdicts.verdict import Verdict, plain_table, verdict
+from ev_study.verdicts.check import SHOWN, Check, Template, Tolerance, check_of
+from ev_study.verdicts.sources import Published
+from ev_study.verdicts.verdict import Verdict, plain_table, verdict
 
 
 def missing() -> float:

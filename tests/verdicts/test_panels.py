@@ -8,9 +8,9 @@ import pytest
 from judging import driven
 
 from ev_papers.dissertation.figures.panels import CYCLES, ON_BENCH
-from ev_sim.verdicts.need import Need
-from ev_sim.verdicts.panels_page import draw_panels, file_name, panels, write_page
-from ev_sim.verdicts.sources import published, sources
+from ev_study.verdicts.need import Need
+from ev_study.verdicts.panels_page import draw_panels, file_name, panels, write_page
+from ev_study.verdicts.sources import published, sources
 
 # Panels that each source has, those that cannot be drawn included.
 PANELS = {

@@ -10,10 +10,10 @@ from types import SimpleNamespace
 import pytest
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.verdicts import sources as of_sources
-from ev_sim.verdicts.check import measures_of
-from ev_sim.verdicts.need import ScenarioNeed, StudyNeed, need_of
-from ev_sim.verdicts.sources import COLUMNS, published, published_value, sources
+from ev_study.verdicts import sources as of_sources
+from ev_study.verdicts.check import measures_of
+from ev_study.verdicts.need import ScenarioNeed, StudyNeed, need_of
+from ev_study.verdicts.sources import COLUMNS, published, published_value, sources
 
 # How many numbers, curves and claims each source published; a line more or less in its list is a mistake.
 PUBLISHED = {
@@ -52,7 +52,7 @@ def test_every_text_is_used_and_every_measure_is_named(source: str):
 def test_who_asks_for_one_source_loads_no_other():
     """Each brings libraries of its own, which cost a second of every run of a scenario."""
     text = (
-        "import sys; from ev_sim.verdicts.sources import published; assert published('shchur2019'); "
+        "import sys; from ev_study.verdicts.sources import published; assert published('shchur2019'); "
         "print(*sorted({name.split('.')[1] for name in sys.modules if name.startswith('ev_papers.')}))"
     )
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)

@@ -63,7 +63,7 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
 
     from documentation import results, scenario_results
     from documentation.images import save_small
-    from ev_sim.benchmark.ranking.drawing import board_sheet
+    from ev_study.benchmark.ranking.drawing import board_sheet
 
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)
@@ -115,7 +115,7 @@ def _keep_full(root: Path, folder: Path) -> None:
     from documentation.full_board import FILE, kept_board, write_kept
     from documentation.full_board_tables import IMAGE
     from documentation.images import save_image
-    from ev_sim.benchmark.board import read_board
+    from ev_study.benchmark.board import read_board
 
     try:
         kept = kept_board(folder, read_board("full"))

@@ -10,10 +10,10 @@ import numpy as np
 from documentation.markdown import code, table
 from ev_sim.batches.batch import batch
 from ev_sim.batches.observer import last, mean
-from ev_sim.study import asr_shootout
-from ev_sim.study.study import run_of
 from ev_sim.surfaces import SURFACES
 from ev_sim.tyres.curve import peak_slip
+from ev_study.studies import asr_shootout
+from ev_study.studies.study import run_of
 
 ROADS = ("ice", "snow", "wet", "dry", "ice left, dry right")
 WITH_TARGET = ("feedback_linearisation", "fuzzy", "modified_lambda", "pi_slip")

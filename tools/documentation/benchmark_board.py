@@ -14,14 +14,14 @@ import numpy as np
 from documentation.markdown import code, table
 from ev_core.parameters.data_file import find_in_config
 from ev_core.parameters.declaration import flatten
-from ev_sim.benchmark.added import with_added
-from ev_sim.benchmark.board import Board, read_board
-from ev_sim.benchmark.cell_runs import law_of, run_of, values_of
-from ev_sim.benchmark.held_out import held_out
-from ev_sim.benchmark.ranking.law_pages import law_page
-from ev_sim.benchmark.ranking.result import BoardResult
-from ev_sim.benchmark.ranking.scores import difference, interquartile_mean, tail_mean
-from ev_sim.benchmark.ranking.tables import (
+from ev_study.benchmark.added import with_added
+from ev_study.benchmark.board import Board, read_board
+from ev_study.benchmark.cell_runs import law_of, run_of, values_of
+from ev_study.benchmark.held_out import held_out
+from ev_study.benchmark.ranking.law_pages import law_page
+from ev_study.benchmark.ranking.result import BoardResult
+from ev_study.benchmark.ranking.scores import difference, interquartile_mean, tail_mean
+from ev_study.benchmark.ranking.tables import (
     CELL_COLUMNS,
     LAW_COLUMNS,
     SCORE_COLUMNS,
@@ -30,7 +30,7 @@ from ev_sim.benchmark.ranking.tables import (
     law_rows,
     score_rows,
 )
-from ev_sim.commands.benchmark import drive_board
+from ev_study.commands.benchmark import drive_board
 
 PAGE = "docs/benchmark.md"
 TUNED = "tuned"

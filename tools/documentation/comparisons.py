@@ -10,7 +10,7 @@ import csv
 from pathlib import Path
 
 from documentation.markdown import table
-from ev_sim.measured.comparisons.comparison import COLUMNS, rows
+from ev_study.measured.comparisons.comparison import COLUMNS, rows
 
 FILE = Path(__file__).parents[2] / "docs" / "measured" / "comparisons.csv"
 

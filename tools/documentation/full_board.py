@@ -19,12 +19,12 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.refusal import shown
-from ev_sim.benchmark.board import COSTS, Board, Cell
-from ev_sim.benchmark.driving import laws_in_cell
-from ev_sim.benchmark.ranking.result import medians
-from ev_sim.benchmark.ranking.scores import interquartile_mean, tail_mean
-from ev_sim.benchmark.ranking.tables import DIGITS
-from ev_sim.benchmark.ranking.varied import differences_by_variation
+from ev_study.benchmark.board import COSTS, Board, Cell
+from ev_study.benchmark.driving import laws_in_cell
+from ev_study.benchmark.ranking.result import medians
+from ev_study.benchmark.ranking.scores import interquartile_mean, tail_mean
+from ev_study.benchmark.ranking.tables import DIGITS
+from ev_study.benchmark.ranking.varied import differences_by_variation
 
 FILE = "docs/measured/benchmark_full.json"
 ABOUT = ("board", "version", "draws", "runs_driven", "hash", "versions")

@@ -9,10 +9,10 @@ import numpy as np
 
 from documentation.full_board import kept
 from documentation.markdown import code, table
-from ev_sim.benchmark.board import COSTS
-from ev_sim.benchmark.ranking.scores import Score
-from ev_sim.benchmark.ranking.tables import CELL_COLUMNS, SCORE_COLUMNS, ends_in_words, in_words
-from ev_sim.benchmark.ranking.varied import Difference
+from ev_study.benchmark.board import COSTS
+from ev_study.benchmark.ranking.scores import Score
+from ev_study.benchmark.ranking.tables import CELL_COLUMNS, SCORE_COLUMNS, ends_in_words, in_words
+from ev_study.benchmark.ranking.varied import Difference
 
 PAGE = "docs/benchmark_full.md"
 IMAGE = "benchmark_full"

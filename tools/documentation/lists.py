@@ -7,7 +7,7 @@ from documentation.own_methods import own_methods
 from ev_msgs_py.contract.roles import ROLES
 from ev_sim.scenarios.about import describe_scenario
 from ev_sim.scenarios.scenario import scenario_names
-from ev_sim.study.study import study_named, study_names
+from ev_study.studies.study import study_named, study_names
 
 
 def scenario_table() -> str:

@@ -14,9 +14,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ev_sim.study.run_study import arguments
-from ev_sim.study.study import Case, CaseResult
-from ev_sim.verdicts.need import StudyCases, StudyNeed, cases_of
+from ev_study.studies.run_study import arguments
+from ev_study.studies.study import Case, CaseResult
+from ev_study.verdicts.need import StudyCases, StudyNeed, cases_of
 
 FOLDER = "docs/measured"
 LONG = 40  # cases, from which on a study is too long to be driven in a test

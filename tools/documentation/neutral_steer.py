@@ -10,10 +10,10 @@ import numpy as np
 from documentation.markdown import table
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.analysis.__main__ import drive_torques
-from ev_sim.analysis.linear_models import side_slip_model
-from ev_sim.analysis.linearised_plant import OperatingPoint, linearised
 from ev_sim.scenarios.about import vehicle_of
+from ev_study.analysis.__main__ import drive_torques
+from ev_study.analysis.linear_models import side_slip_model
+from ev_study.analysis.linearised_plant import OperatingPoint, linearised
 
 COLUMNS = (
     "front share h",
@@ -78,7 +78,7 @@ def _steady(car: Vehicle, share: float) -> float:
 def save_bode_plot(folder: Path) -> None:
     """Bode plot of the car at the drive force of the table, equal torques, speed held."""
     from documentation.images import save_small
-    from ev_sim.analysis.linearised_plant import bode_figure
+    from ev_study.analysis.linearised_plant import bode_figure
 
     car = vehicle_of("zhileykin_4x4")
     plant = linearised(car, OperatingPoint(SPEED, drive=drive_torques(car, FORCE)))

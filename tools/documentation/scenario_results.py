@@ -13,10 +13,10 @@ from documentation.neutral_steer import neutral_steer_table, save_bode_plot
 from documentation.results import Driven
 from ev_papers.ge_ni2005.source import CASES
 from ev_sim.measures.metric import Metric
-from ev_sim.study.run_study import arguments, figures_of
-from ev_sim.study.study import Results, study_named
-from ev_sim.verdicts.need import StudyNeed, drive, kept_by_user
-from ev_sim.verdicts.sources import published
+from ev_study.studies.run_study import arguments, figures_of
+from ev_study.studies.study import Results, study_named
+from ev_study.verdicts.need import StudyNeed, drive, kept_by_user
+from ev_study.verdicts.sources import published
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class Page:
 
 def drive_study(name: str, root: Path | None, *options: str) -> Results:
     """All cases of a study; of a long one the numbers are kept beside the page, below the root of the repository."""
-    from ev_sim.commands.reviews import drive_with_progress
+    from ev_study.commands.verdicts import drive_with_progress
 
     need = StudyNeed(name, options)
     cases = drive([need], kept_by_user(), drive_with_progress)[need]

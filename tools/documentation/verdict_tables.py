@@ -10,8 +10,8 @@ from pathlib import Path
 from documentation.markdown import table, with_blocks
 from documentation.measured import is_long, write_measured
 from ev_sim.measures.metric import REPRODUCED
-from ev_sim.verdicts.sources import IN_PART, KINDS, published, sources
-from ev_sim.verdicts.verdict import SORTS, WITH_ASSUMPTION, markdown_table, sort_of
+from ev_study.verdicts.sources import IN_PART, KINDS, published, sources
+from ev_study.verdicts.verdict import SORTS, WITH_ASSUMPTION, markdown_table, sort_of
 
 PAGE = "docs/verdicts.md"
 COUNTS = "verdict counts"
@@ -25,7 +25,7 @@ _WITH_NUMBERS = ("printed", "follows", "axes")  # the kinds of which the source 
 
 def write_verdicts(root: Path, wanted: Sequence[str]) -> None:
     """Drive what the verdicts on all sources, or on those wanted, need, and write their tables and the counts."""
-    from ev_sim.commands.reviews import judge_driven
+    from ev_study.commands.verdicts import judge_driven
 
     page = root / PAGE
     text = page.read_text(encoding="utf-8")

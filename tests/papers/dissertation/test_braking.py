@@ -7,7 +7,7 @@ import argparse
 import pytest
 
 from ev_papers.dissertation.studies import braking
-from ev_sim.study.study import CaseResult, drive_case
+from ev_study.studies.study import CaseResult, drive_case
 
 pytestmark = pytest.mark.slow
 

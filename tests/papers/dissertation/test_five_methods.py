@@ -13,8 +13,8 @@ from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import METHODS, case, case_name
 from ev_papers.dissertation.studies.five_methods import judged_quantity
 from ev_sim.commands.run_scenario import main
-from ev_sim.study.study import CaseResult
 from ev_sim.surfaces import SURFACES
+from ev_study.studies.study import CaseResult
 
 pytestmark = pytest.mark.slow
 

@@ -13,7 +13,7 @@ from ev_papers.dissertation.studies.bench_convergence import case as part_of_cyc
 from ev_papers.dissertation.studies.bench_difference import IDEAL, apart, ideal, measure
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides, load_scenario
-from ev_sim.study.study import drive_case
+from ev_study.studies.study import drive_case
 
 LENGTH = 24.0  # s: rest, pulling away, two surfaces, spinning wheels
 

@@ -10,9 +10,9 @@ from judging import verdict_from, verdict_on
 from ev_papers.dissertation.measures import circuits
 from ev_papers.dissertation.studies import five_methods
 from ev_sim import surfaces
-from ev_sim.verdicts.need import Need, StudyNeed
-from ev_sim.verdicts.sources import published
-from ev_sim.verdicts.verdict import Verdict
+from ev_study.verdicts.need import Need, StudyNeed
+from ev_study.verdicts.sources import published
+from ev_study.verdicts.verdict import Verdict
 
 MODEL = [
     ("diss.t1.1", ("*", "vehicle.motor.peak_torque", 400.0)),

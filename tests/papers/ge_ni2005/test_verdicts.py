@@ -8,8 +8,8 @@ import pytest
 from judging import verdict_from, verdict_on
 
 from ev_papers.ge_ni2005 import paper
-from ev_sim.verdicts.need import Need, ScenarioNeed
-from ev_sim.verdicts.sources import published
+from ev_study.verdicts.need import Need, ScenarioNeed
+from ev_study.verdicts.sources import published
 
 # A finding each: `increment` spins with u free, and with a heavier car; slip costs more with the law than without.
 NOT_REPRODUCED = {"ge.claim.speed", "ge.claim.robust", "ge.claim.efficiency"}

@@ -12,10 +12,10 @@ import pytest
 from documentation.measured import read_measured
 from ev_papers.outside_checks import friction, lap, laws
 from ev_papers.outside_checks.cases import DRAWS, drawn, interval, measure
-from ev_sim.study.study import drive_case, run_of
-from ev_sim.verdicts.need import StudyCases, StudyNeed
-from ev_sim.verdicts.sources import published
-from ev_sim.verdicts.verdict import verdict
+from ev_study.studies.study import drive_case, run_of
+from ev_study.verdicts.need import StudyCases, StudyNeed
+from ev_study.verdicts.sources import published
+from ev_study.verdicts.verdict import verdict
 
 ROOT = Path(__file__).parents[3]
 CLAIMS = published("outside_checks")

@@ -10,7 +10,7 @@ from judging import verdict_on
 
 from documentation import closed_form
 from ev_papers.shchur2019 import paper
-from ev_sim.verdicts.sources import published
+from ev_study.verdicts.sources import published
 
 EXPECTED = {"reproduced", "follows from the inputs", "not judgeable", "no verdict"}
 

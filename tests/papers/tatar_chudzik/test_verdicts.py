@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from judging import verdict_on
 
-from ev_sim.verdicts.sources import published
+from ev_study.verdicts.sources import published
 
 # It rises in the axes of the car; and so does the sum of the magnitudes. The path changes by half a per cent.
 NOT_REPRODUCED = {"tatar.fig14.FR", "tatar.aim", "tatar.trajectory"}

@@ -7,7 +7,7 @@ import argparse
 import pytest
 
 from ev_papers.zhileykin2018 import grid, steering
-from ev_sim.study.study import drive_case
+from ev_study.studies.study import drive_case
 
 pytestmark = pytest.mark.slow
 

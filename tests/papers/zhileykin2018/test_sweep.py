@@ -15,9 +15,9 @@ from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018 import sweep as sweep
 from ev_papers.zhileykin2018 import variants as variants
 from ev_papers.zhileykin2018.grid import LIMIT
-from ev_sim.study.study import CaseResult, drive_case
-from ev_sim.study.workers import drive_cases
-from ev_sim.verdicts.need import StudyNeed
+from ev_study.studies.study import CaseResult, drive_case
+from ev_study.studies.workers import drive_cases
+from ev_study.verdicts.need import StudyNeed
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "zhileykin2018.md").read_text()

@@ -6,11 +6,11 @@ import pytest
 from judging import driven, verdict_on
 
 from ev_papers.zhileykin2018 import grid as grid
-from ev_sim.study.run_study import arguments
-from ev_sim.study.study import CaseResult
-from ev_sim.verdicts.need import ScenarioNeed, StudyCases
-from ev_sim.verdicts.sources import published
-from ev_sim.verdicts.verdict import Verdict, verdict
+from ev_study.studies.run_study import arguments
+from ev_study.studies.study import CaseResult
+from ev_study.verdicts.need import ScenarioNeed, StudyCases
+from ev_study.verdicts.sources import published
+from ev_study.verdicts.verdict import Verdict, verdict
 
 SOURCE = "zhileykin2018"
 EXPECTED = {"reproduced", "follows from the inputs", "not judgeable", "no verdict"}

@@ -4,8 +4,8 @@ from ev_sim.figures.panels import degrees, over_time
 from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import channel
-from ev_sim.verdicts.need import ScenarioRuns
-from ev_sim.verdicts.verdict import metrics_at_hand
+from ev_study.verdicts.need import ScenarioRuns
+from ev_study.verdicts.verdict import metrics_at_hand
 
 
 def metrics(runs, vehicle, parameters):

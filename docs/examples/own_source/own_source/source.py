@@ -2,8 +2,8 @@
 
 from ev_sim.measures import motion
 from ev_sim.measures.metric import channel, run_named
-from ev_sim.verdicts.need import ScenarioNeed
-from ev_sim.verdicts.panels_page import PublishedPanel, over_time
+from ev_study.verdicts.need import ScenarioNeed
+from ev_study.verdicts.panels_page import PublishedPanel, over_time
 from own_source.report import yaw_rates
 
 ORDER = 100  # among the sources, in tables

@@ -12,14 +12,15 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 
+from ev_core.methods.offered import offered
 from ev_core.nodes.stop_request import STOPPED
 from ev_msgs_py.refusal import quoted
 from ev_sim.command_line.numbers import PORT
+from ev_sim.command_line.offered_commands import STUDIES
 from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.children import ends_with_us
 from ev_sim.running.domain import free_domain, reserved_domains
-from ev_sim.study.study import study_names
 
 _NO_DDS = ("--offline", "--list", "--help", "-h")
 
@@ -65,7 +66,7 @@ def _arguments(argv: list[str] | None) -> tuple[argparse.Namespace, list[str]]:
     given, words = parser.parse_known_args(argv)
     if words and words[0].startswith("-"):
         parser.error(f"{quoted(words[0])} is not known; options of a run stand behind its SCENARIO")
-    if words and words[0] in study_names():
+    if words and words[0] in offered(STUDIES):
         parser.error(f"{words[0]} is a study, whose runs are not on DDS: name a scenario")
     for word in _NO_DDS:
         if word in words:

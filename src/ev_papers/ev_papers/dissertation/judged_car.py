@@ -14,7 +14,7 @@ from ev_core.vehicle.driveline import wheel_inertia
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.measures.metric import NotMeasured, channel, run_named
 from ev_sim.surfaces import SURFACES, RoadParameters, left_and_right
-from ev_sim.verdicts.need import ScenarioRuns
+from ev_study.verdicts.need import ScenarioRuns
 
 _FRICTION = 0.8
 _CELL = 3.2  # [V], which is assumed: no voltage is printed

@@ -13,7 +13,7 @@ from ev_sim.measures import motion
 from ev_sim.measures.metric import NotMeasured, channel, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.surfaces import SURFACES
-from ev_sim.verdicts.need import ScenarioRuns, StudyCases
+from ev_study.verdicts.need import ScenarioRuns, StudyCases
 
 _GROUPS = {  # of section 1.4: by forecast of slip, by slip, by torque; the last one is the dissertation's own
     "forecast": ("acceleration_ratio", "speed_by_acceleration_ratio", "expected_signal", "adhesion_limit"),

@@ -21,7 +21,7 @@ from ev_papers.dissertation.studies.bench_difference import apart
 from ev_sim.measures.metric import channel, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.test_bench.sequence import SEQUENCE_STEPS, Sequence
-from ev_sim.verdicts.need import ScenarioRuns
+from ev_study.verdicts.need import ScenarioRuns
 
 _KILOMETRE_PER_HOUR = 1 / 3.6  # [m/s]
 _CYCLE_TIME = 580.0  # [s]

@@ -13,7 +13,7 @@ from ev_papers.dissertation.measures.urban_cases import FIVE
 from ev_papers.dissertation.studies import five_methods
 from ev_papers.dissertation.studies.five_methods import KILOWATT_HOUR, KILOWATT_MINUTE, gains, savings, values_of
 from ev_sim.measures.metric import NotMeasured
-from ev_sim.verdicts.need import StudyCases
+from ev_study.verdicts.need import StudyCases
 
 _IMPOSED_SPEED = "imposed_speed"
 _UNITS = {"1": 1.0, "%": 0.01, "kW_min": KILOWATT_MINUTE, "kW_h": KILOWATT_HOUR}

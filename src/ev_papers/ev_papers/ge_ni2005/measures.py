@@ -14,7 +14,7 @@ from ev_papers.ge_ni2005.quantities import CHATTER_WINDOW, QUANTITIES, response_
 from ev_sim.measures import motion
 from ev_sim.measures.metric import NotMeasured, channel, run_named
 from ev_sim.recording.recording import Recording
-from ev_sim.verdicts.need import ScenarioRuns, StudyCases
+from ev_study.verdicts.need import ScenarioRuns, StudyCases
 
 BASELINE = "equal_torque"
 # A boundary layer as wide as any slip: what the reading `offset` adds to T* is k D, which gives the target.

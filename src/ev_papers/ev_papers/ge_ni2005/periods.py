@@ -10,7 +10,7 @@ from ev_papers.ge_ni2005.quantities import chatter
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results
+from ev_study.studies.study import Case, Results
 
 ABOUT = "Ge & Ni 2005: chatter of the torques with boundary layer by control period, for two readings of eq 8"
 SCENARIO = "ge_ni2005"

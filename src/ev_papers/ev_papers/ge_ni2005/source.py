@@ -26,11 +26,11 @@ from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
-from ev_sim.verdicts.check import Check, Template, measures_of
-from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
-from ev_sim.verdicts.panels_page import PublishedPanel, cannot_be_drawn
-from ev_sim.verdicts.sources import Published, published
-from ev_sim.verdicts.verdict import metrics_at_hand
+from ev_study.verdicts.check import Check, Template, measures_of
+from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
+from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn
+from ev_study.verdicts.sources import Published, published
+from ev_study.verdicts.verdict import metrics_at_hand
 
 READINGS = ("rate", "offset", "increment")
 FREE_SPEED, FULL_CAR = "_free_speed", "_full_car"

@@ -25,8 +25,8 @@ from ev_sim.measures.understeer import axle_cornering_stiffnesses
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 from ev_sim.scenarios.slow_ramp import AT_CROSSING, angle_at
-from ev_sim.study.study import Case, Results
 from ev_sim.surfaces import SURFACES
+from ev_study.studies.study import Case, Results
 
 Values = tuple[tuple[str, str, Any], ...]
 LAW = "electronic_differential"

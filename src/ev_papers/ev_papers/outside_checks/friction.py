@@ -15,7 +15,7 @@ import numpy as np
 from ev_papers.outside_checks import cases as drawn_cases
 from ev_papers.outside_checks.cases import BASE, DRAWS, LIMIT, SENSORS, TRUTH, interval, law, of_draws
 from ev_sim.measures.metric import Metric, metric
-from ev_sim.study.study import Case, Results
+from ev_study.studies.study import Case, Results
 
 ABOUT = (
     "De Novellis 2014: wrong friction told to PI and two second-order sliding modes, with and without a sideslip loop"

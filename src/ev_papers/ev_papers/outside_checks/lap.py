@@ -19,7 +19,7 @@ from ev_sim.measures.metric import Metric, NotMeasured, metric
 from ev_sim.measures.registry import METRICS, driven_run
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results
+from ev_study.studies.study import Case, Results
 
 ABOUT = "Broere 2021: the best clean lap with torque vectoring against a fixed split, over the driver's speed"
 DRAWS = 5

@@ -16,7 +16,7 @@ import numpy as np
 from ev_papers.outside_checks import cases as drawn_cases
 from ev_papers.outside_checks.cases import BASE, CONTROLLERS, DRAWS, SENSORS, TRUTH, interval, law, of_draws
 from ev_sim.measures.metric import Metric, metric
-from ev_sim.study.study import Case, Results
+from ev_study.studies.study import Case, Results
 
 ABOUT = "Asperti 2024 and others: torque vectoring part by part on known friction, and with tyres told wrongly"
 WRONG = "wrong tyres"

@@ -9,7 +9,7 @@ import numpy as np
 
 from ev_papers.outside_checks import friction, lap, laws
 from ev_papers.outside_checks.cases import BASE, LIMIT, SECOND_ORDER, SENSORS, TRUTH, interval
-from ev_sim.verdicts.need import StudyCases
+from ev_study.verdicts.need import StudyCases
 
 _KNOWN = {
     "truth": TRUTH,

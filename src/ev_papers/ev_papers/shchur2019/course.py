@@ -13,7 +13,7 @@ from ev_sim.measures import handling, motion
 from ev_sim.measures.metric import Metric, channel
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results, metrics_of_cases, rows_of_cases
+from ev_study.studies.study import Case, Results, metrics_of_cases, rows_of_cases
 
 ABOUT = "Shchur 2019, further work: power steering and a yaw moment share the front difference on packed snow"
 SCENARIO = "course_stability"

@@ -14,7 +14,7 @@ from ev_sim.measures import handling, motion
 from ev_sim.measures.metric import NotMeasured, channel, last, mean_between, run_named
 from ev_sim.plant.kinematic import front_wheel_angles, path_curvature, wheel_speed_ratios
 from ev_sim.recording.recording import Recording
-from ev_sim.verdicts.need import ScenarioRuns
+from ev_study.verdicts.need import ScenarioRuns
 
 SETTLING_BAND = 0.05
 WINDOW = 1.0  # mean values are taken over the last second [s]

@@ -18,8 +18,8 @@ from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, run_named
 from ev_sim.recording.recording import Recording
-from ev_sim.verdicts.need import ScenarioRuns
-from ev_sim.verdicts.verdict import metrics_at_hand
+from ev_study.verdicts.need import ScenarioRuns
+from ev_study.verdicts.verdict import metrics_at_hand
 
 SHOWN = 5.0  # of the published curves [s after the step]
 SINCE_STEP = "time after the step [s]"

@@ -19,10 +19,10 @@ from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, run_named
 from ev_sim.recording.recording import Recording
-from ev_sim.verdicts.check import measures_of
-from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
-from ev_sim.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time
-from ev_sim.verdicts.verdict import metrics_at_hand
+from ev_study.verdicts.check import measures_of
+from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
+from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time
+from ev_study.verdicts.verdict import metrics_at_hand
 
 RUN = "shchur2019"
 END = 50.0  # of the cycle [s]

@@ -14,7 +14,7 @@ import numpy as np
 from ev_sim.measures import motion
 from ev_sim.measures.handling import energy_since_turning_in, total_force, turning_in, tyre_force, when_passing
 from ev_sim.measures.metric import channel, run_named
-from ev_sim.verdicts.need import ScenarioRuns
+from ev_study.verdicts.need import ScenarioRuns
 
 LAYOUTS = ("front", "rear", "all")
 CONTROLS = EQUAL, CORRECTED = ("equal", "corrected")

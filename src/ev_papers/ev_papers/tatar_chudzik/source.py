@@ -30,10 +30,10 @@ from ev_sim.measures.handling import (
 )
 from ev_sim.measures.metric import Metric, NotMeasured, Parameters, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
-from ev_sim.verdicts.check import measures_of
-from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
-from ev_sim.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time
-from ev_sim.verdicts.verdict import metrics_at_hand
+from ev_study.verdicts.check import measures_of
+from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
+from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time
+from ev_study.verdicts.verdict import metrics_at_hand
 
 SPEED = 8.5  # [m/s], which every run passes in the bend
 OF_WHEEL: dict[str, Callable[[Recording, str, Vehicle], np.ndarray]] = {  # (n,); forces along the axes of the car

@@ -17,7 +17,7 @@ from ev_sim.measures.handling import peak_sideslip
 from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run, load_scenario
-from ev_sim.study.study import Case, Results
+from ev_study.studies.study import Case, Results
 
 LIMIT = math.radians(15.0)  # sideslip angle beyond which the rear axle has slid out [rad]; assumed, the source has none
 SWING = 0.005  # [1], least way of a share between two turn-arounds; assumed: what moves less is no oscillation

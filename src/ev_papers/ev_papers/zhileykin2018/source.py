@@ -22,11 +22,11 @@ from ev_sim.measures.handling import peak_sideslip
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
 from ev_sim.measures.registry import METRICS
 from ev_sim.recording.recording import Recording
-from ev_sim.verdicts.check import measures_of
-from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
-from ev_sim.verdicts.panels_page import PublishedPanel, cannot_be_drawn
-from ev_sim.verdicts.panels_page import over_time as drawn_over_time
-from ev_sim.verdicts.verdict import metrics_at_hand
+from ev_study.verdicts.check import measures_of
+from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
+from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn
+from ev_study.verdicts.panels_page import over_time as drawn_over_time
+from ev_study.verdicts.verdict import metrics_at_hand
 
 PEAK_SIDESLIP = METRICS["peak_sideslip"].formula
 ESTIMATED = "k1_estimated"  # observes the slip angles instead of knowing them

@@ -17,7 +17,7 @@ from ev_sim.measures.handling import peak_sideslip
 from ev_sim.measures.metric import Metric, channel, metric
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results
+from ev_study.studies.study import Case, Results
 
 ABOUT = "Zhileykin 2018: the sweep without and with active front steering, who holds with the law, the steering, both"
 COLUMN = "steering_column"

@@ -14,7 +14,7 @@ from ev_sim.figures.other_axes import number_map
 from ev_sim.figures.panels import readable
 from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.metric import Metric, metric
-from ev_sim.study.study import Case, Results
+from ev_study.studies.study import Case, Results
 
 ABOUT = "Zhileykin 2018: drive force by steering angle on ice with snow, who spins with which control"
 COLUMNS = ("force [N]", "angle [deg]", *SWEPT)

@@ -1,4 +1,8 @@
-"""The commands of ev-stack: each package has a table of its own, which an entry point names."""
+"""The commands of ev-stack: each package has tables of its own, in a module that an entry point names.
+
+How it works: `COMMANDS` of that module are the commands of `ev-stack`. `REVIEWS`, which it may have, are what
+`ev-stack run` does by name besides driving a scenario. `STUDY`, which one package has, drives a study by its name.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +16,11 @@ from ev_msgs_py.packages import OURS
 from ev_msgs_py.refusal import quoted
 
 GROUP = "ev_stack.commands"  # of entry points: the name of a package, and its module with COMMANDS
+STUDIES = "ev_stack.studies"  # of entry points: the name of a study, and its module
 
 
 class Command(NamedTuple):
-    """MODULE:FUNCTION that takes the words behind the name, and what it does."""
+    """MODULE:FUNCTION that takes words, and what it does."""
 
     place: str
     about: str
@@ -28,9 +33,11 @@ class Command(NamedTuple):
 
 
 class Offered(NamedTuple):
-    """Commands by name, and one line for each package whose table cannot be taken."""
+    """Commands and reviews by name, what drives a study, and a line for each package whose tables cannot be taken."""
 
     commands: Mapping[str, Command]
+    reviews: Mapping[str, Command]
+    study: Command | None
     not_loaded: tuple[str, ...]
 
 
@@ -38,16 +45,23 @@ class Offered(NamedTuple):
 def offered_commands() -> Offered:
     """All commands: ours first, in the order of packages and of their tables."""
     packages = sorted(offered(GROUP), key=lambda name: OURS.index(name) if name in OURS else len(OURS))
-    found: dict[str, Command] = {}
+    commands: dict[str, Command] = {}
+    reviews: dict[str, Command] = {}
+    study = None
     not_loaded = []
     for package in packages:
         try:
-            table = {name: Command(*each) for name, each in import_module(offered(GROUP)[package]).COMMANDS.items()}
+            module = import_module(offered(GROUP)[package])
+            own_commands = {name: Command(*each) for name, each in module.COMMANDS.items()}
+            own_reviews = {name: Command(*each) for name, each in getattr(module, "REVIEWS", {}).items()}
         except Exception as error:  # whatever somebody's module raises: all other commands go on
             not_loaded.append(f"commands of {package}: {type(error).__name__}: {error}")
             continue
-        if taken := [name for name in table if name in found]:
-            not_loaded.append(f"commands of {package}: {quoted(taken[0])} is taken, expected another name")
+        if taken := [*(own_commands.keys() & commands), *(own_reviews.keys() & reviews)]:
+            not_loaded.append(f"commands of {package}: {quoted(min(taken))} is taken, expected another name")
             continue
-        found |= table
-    return Offered(found, tuple(not_loaded))
+        commands |= own_commands
+        reviews |= own_reviews
+        if study is None and hasattr(module, "STUDY"):
+            study = Command(module.STUDY, "a study")
+    return Offered(commands, reviews, study, tuple(not_loaded))

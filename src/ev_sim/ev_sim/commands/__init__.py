@@ -38,3 +38,10 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
     ),
     "inspect": ("ev_sim.commands.live_graph:inspect", "show the running graph: nodes, topics, rates"),
 }
+
+REVIEWS = {  # of ev-stack run
+    "report": (
+        "ev_sim.commands.report:run_report",
+        "one page about the folders of several runs of scenarios, side by side with their differences",
+    ),
+}

@@ -8,31 +8,20 @@ import os
 import resource
 import sys
 import traceback
-from importlib import import_module
 from pathlib import Path
 
+from ev_core.methods.offered import offered, offered_module
 from ev_core.methods.register import all_methods, not_loaded
 from ev_core.nodes.stop_request import KEPT
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError, first_line, shown, unknown_name
+from ev_sim.command_line.offered_commands import STUDIES, offered_commands
 from ev_sim.command_line.options import TRACEBACK, arguments
 from ev_sim.command_line.refusal import refuse
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.scenarios.about import describe_scenario, is_path
 from ev_sim.scenarios.scenario import scenario_names
-from ev_sim.study.study import study_named, study_names
 
-REVIEWS = {  # commands of their own, run_NAME of `reviews` or of the module that MODULES names
-    "verdicts": "a verdict on every number, curve and claim of all sources, in one table",
-    "report": "one page about the folders of several runs of scenarios, side by side with their differences",
-    "replay": "recorded inputs into a law or a node, and where its answers differ from the recorded ones",
-    "figures": "every panel of the sources' figures, drawn from our runs, on one page",
-    "validate": "a car against a record of a real one: inputs imposed as measured, the rest compared",
-    "identify": "parameters of a car from a record of it, or a tyre from a rig, with intervals",
-    "benchmark": "laws of torque control ranked on a board of cars, roads and manoeuvres, with intervals",
-    "tune": "the parameters of a law by CMA-ES on a board, with the same budget for every law",
-}
-MODULES = {"validate": "measured", "identify": "measured", "benchmark": "benchmark", "tune": "tune"}
 _NOT_READ = 141  # the status of a command whose output nobody reads any more
 _OF_A_LIBRARY = 300e6  # bytes, of the largest one, the compiler's, with what it needs while it is loaded
 
@@ -46,14 +35,11 @@ def main(argv: list[str] | None = None) -> None:
     try:
         if words and not words[0].startswith("-"):
             refuse_unknown(words[0])  # before its options are, which may be those of the command that is meant
-        if words and words[0] in study_names():
-            from ev_sim.study.run_study import run_study
-
-            run_study(words[0], words[1:])
+        if words and words[0] in offered(STUDIES):
+            drive_study(words)
             return
-        if words and words[0] in REVIEWS:
-            module = MODULES.get(words[0], "reviews")
-            getattr(import_module(f"ev_sim.commands.{module}"), f"run_{words[0]}")(words[1:])
+        if words and words[0] in offered_commands().reviews:
+            offered_commands().reviews[words[0]].load()(words[1:])
             return
         given = arguments(words)
         if given.list:
@@ -78,6 +64,14 @@ def main(argv: list[str] | None = None) -> None:
         refuse(error)
 
 
+def drive_study(words: list[str]) -> None:
+    """Drive the study that the first word names; RunFailed if no package is installed that drives studies."""
+    study = offered_commands().study
+    if study is None:
+        raise RunFailed(f"{words[0]} needs the package ev_study, which is not installed here")
+    study.load()(words)
+
+
 def refuse_unknown(name: str) -> None:
     """ParameterError for what is neither the path nor the name of a scenario, nor the name of another command."""
     if not is_path(name) and name not in (known := names()):
@@ -86,7 +80,7 @@ def refuse_unknown(name: str) -> None:
 
 def names() -> tuple[str, ...]:
     """Of all scenarios, studies and reviews."""
-    return (*scenario_names(), *study_names(), *REVIEWS)
+    return (*scenario_names(), *sorted(offered(STUDIES)), *offered_commands().reviews)
 
 
 def list_all(argv: list[str]) -> None:
@@ -122,11 +116,11 @@ def print_list() -> None:
     for name in scenario_names():
         print(f"  {shown(name):24} {shown(describe_scenario(name))}")
     print("studies, of many runs (scripts/run.sh STUDY --help)")
-    for name in study_names():
-        print(f"  {name:24} {study_named(name).ABOUT}")
+    for name in sorted(offered(STUDIES)):
+        print(f"  {name:24} {offered_module(STUDIES, 'study', name).ABOUT}")
     print("reviews of runs, and of what the sources published (scripts/run.sh NAME --help)")
-    for name, about in REVIEWS.items():
-        print(f"  {name:24} {about}")
+    for name, review in offered_commands().reviews.items():
+        print(f"  {name:24} {review.about}")
     for line in not_loaded():
         print(f"not loaded: {line}")
     for role, methods in all_methods().items():

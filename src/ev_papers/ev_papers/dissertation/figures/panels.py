@@ -25,8 +25,8 @@ from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.metric import channel
 from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
 from ev_sim.recording.recording import Recording
-from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
-from ev_sim.verdicts.panels_page import Draw, PublishedPanel, cannot_be_drawn, over_time
+from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
+from ev_study.verdicts.panels_page import Draw, PublishedPanel, cannot_be_drawn, over_time
 
 CYCLES, ON_BENCH = (
     {METHODS[name].number: ScenarioNeed(scenario, case(name, "pulse", 1).values, slow=True) for name in FIVE}

@@ -14,7 +14,7 @@ from ev_papers.dissertation.measures.circuits import CircuitSums
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case
+from ev_study.studies.study import Case
 
 SCENARIO, BENCH = "urban_mixed", "urban_mixed_bench"
 Values = tuple[tuple[str, str, Any], ...]

@@ -11,7 +11,7 @@ from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, SCENARIO
 from ev_papers.dissertation.studies import bench_difference
 from ev_papers.dissertation.studies.bench_difference import apart, away_from_switches, ideal
 from ev_sim.measures.metric import Metric
-from ev_sim.study.study import Case, Results
+from ev_study.studies.study import Case, Results
 
 ABOUT = "The urban cycle on the bench beside the virtual run - difference against each parameter of the bench"
 COLUMNS = (

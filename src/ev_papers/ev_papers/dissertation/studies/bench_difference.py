@@ -16,7 +16,7 @@ from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.metric import Metric, NotMeasured
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results
+from ev_study.studies.study import Case, Results
 
 WHEEL = "front_right"
 SAMPLING = 0.005  # s between the samples that are compared, as far as the control period divides it

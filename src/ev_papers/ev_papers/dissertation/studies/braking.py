@@ -15,7 +15,7 @@ from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, channel, metric
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results, rows_of_cases
+from ev_study.studies.study import Case, Results, rows_of_cases
 
 ABOUT = "Full braking without ABS, with one of the friction brakes, and with drives and brakes blended, on all roads"
 SCENARIO = "blended_brakes"

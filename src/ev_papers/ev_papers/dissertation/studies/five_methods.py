@@ -14,8 +14,8 @@ from ev_sim.figures.sheets import Sheet
 from ev_sim.figures.strokes import HUES, PUBLISHED
 from ev_sim.measures.metric import Metric, mean_over_seeds
 from ev_sim.profiles.profile import LISTED
-from ev_sim.study.study import Case, Results
-from ev_sim.verdicts.sources import published_value
+from ev_study.studies.study import Case, Results
+from ev_study.verdicts.sources import published_value
 
 _METHODS = range(1, 6)
 

@@ -1,0 +1,1 @@
+"""Many runs: studies, verdicts, benchmark and tuning, cars held against measurement, replay, analysis."""

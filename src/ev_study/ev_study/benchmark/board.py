@@ -1,0 +1,264 @@
+"""A board as its file declares it: cars, roads, manoeuvres, variations and laws, and the cells that they make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from ev_core.parameters.data_file import TEXT, TextOfFile, read_data
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_sim.measures.metric import HIGHER, LOWER
+from ev_sim.measures.own_metrics import named_metrics
+from ev_sim.measures.registry import METRICS
+from ev_sim.scenarios.about import configured_file
+from ev_sim.scenarios.parameter_file import marked, read_yaml
+from ev_sim.surfaces import SURFACES
+from ev_study.benchmark.manoeuvre import ENTRY_SPEED, Manoeuvre
+from ev_study.benchmark.records import is_of, mapping, record, refuse_unknown
+
+COSTS = ("handling", "energy")
+SIDES = ("left", "right")
+ROLE, FURTHER = "electronic_differential", ("asr",)  # roles that a law of a board plays
+CASES = ("training", "validation", "held_out")
+_ALIKE = ("method", "reference", "allocation", "estimation", "asr.method")  # in the closed division
+FRICTION, TOLD_FRICTION, MOTOR_FAULT = "friction", "told_friction", "motor_fault"  # variations that are no parameters
+
+
+@dataclass(frozen=True, slots=True)
+class Road:
+    """Surfaces under the left and the right wheels, one behind the other; the lengths of all but the last [m].
+
+    `friction` and `stiffness` are factors on c1 and c3, and on c2 of all its surfaces.
+    """
+
+    left: list[str]
+    right: list[str]
+    length: list[float] = field(default_factory=list)
+    friction: float = 1.0
+    stiffness: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Variation:
+    """A parameter and one of: the bounds of a factor on what the car has, of a value, of a whole number; or a choice.
+
+    Of `motor_fault` the value is the share that the motor of one driven wheel still gives; `begin` are bounds of when
+    that begins [s], `probability` that there is a fault at all.
+    """
+
+    parameter: str
+    factor: list[float] = field(default_factory=list)
+    value: list[float] = field(default_factory=list)
+    count: list[int] = field(default_factory=list)
+    choice: list[float] = field(default_factory=list)
+    begin: list[float] = field(default_factory=list)
+    probability: float = 1.0
+
+    @property
+    def bounds(self) -> list[float]:
+        """The lower and the upper one."""
+        return self.factor or self.value or self.count or [0.0, 1.0]
+
+
+@dataclass(frozen=True, slots=True)
+class Cases:
+    """What a seed draws runs from: cars, bounds of `friction` and `stiffness` of each road, and further variations."""
+
+    cars: list[str]
+    friction: list[float]
+    stiffness: list[float]
+    variations: list[Variation] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """What is driven and compared at once: a car in a manoeuvre on a road."""
+
+    board: str
+    version: int
+    car: str
+    manoeuvre: str
+    road: str
+
+    def id(self, cost: str) -> str:
+        """CAR:LAYOUT:MANOEUVRE:ROAD:COST:vN."""
+        return f"{self.car}:{self.manoeuvre}:{self.road}:{cost}:v{self.version}"
+
+
+@dataclass(frozen=True, slots=True)
+class Board:
+    """All that a board declares.
+
+    `reference` is the law that costs are counted against, `scales` by metric what its differences are divided by at
+    least, `unstable` the sideslip from which on a run counts as unstable [rad]. `closed` are the laws of the closed
+    division, which differ in their controller alone; all others are in the open one. A law states a method of the
+    electronic differential and its parameters, and those of other roles as asr.method, asr.PARAMETER. `tuned` are the
+    laws that are tuned, and patterns of the numbers that are free then.
+    """
+
+    version: int
+    seed: int
+    draws: int
+    reference: str
+    unstable: float
+    scales: Mapping[str, float]
+    cars: list[str]
+    layouts: Mapping[str, list[str]]
+    roads: Mapping[str, Road]
+    manoeuvres: Mapping[str, Manoeuvre]
+    variations: list[Variation]
+    laws: Mapping[str, Mapping[str, Any]]
+    closed: list[str] = field(default_factory=list)
+    training: Cases | None = None
+    validation: Cases | None = None
+    held_out: Cases | None = None
+    tuned: Mapping[str, list[str]] = field(default_factory=dict)
+    name: str = ""
+
+    def cells(self, pattern: str = "*") -> list[Cell]:
+        """Its cells, those of which an id fits a pattern as of file names; ParameterError if none does."""
+        every = [
+            Cell(self.name, self.version, car, name, road)
+            for car in self.cars
+            for name, manoeuvre in self.manoeuvres.items()
+            if car not in manoeuvre.without
+            for road in manoeuvre.roads
+        ]
+        found = [each for each in every if any(fnmatchcase(each.id(cost), pattern) for cost in COSTS)]
+        if not found:
+            raise unknown_name("cell", pattern, [each.id(cost) for each in every for cost in COSTS])
+        return found
+
+
+def read_board(name: str) -> Board:
+    """The board of a name in config/benchmarks, or of a path; ParameterError, in one line, for what is wrong in it."""
+    path = configured_file("benchmark", name)
+    try:
+        content = read_yaml(read_data(path, TEXT).decode())
+    except OSError as error:
+        raise ParameterError(f"{path}: {error.strerror}") from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ParameterError(f"{path}: not readable as YAML: {' '.join(str(error).split())}") from None
+    try:
+        whole = marked("", dict(mapping("a board", content)), path)
+        common = {"recorded": whole.pop("recorded", [])}
+        for entry, of, more in (("manoeuvres", Manoeuvre, common), ("roads", Road, {})):
+            what, stated = entry.removesuffix("s"), mapping(entry, whole.get(entry))
+            full = {name: {**more, **mapping(f"{what} {name}", each)} for name, each in stated.items()}
+            whole[entry] = {name: record(of, f"{what} {name}", each) for name, each in full.items()}
+        whole["variations"] = _variations(whole)
+        for entry in CASES:
+            if entry in whole:
+                stated = dict(mapping(entry, whole[entry]))
+                whole[entry] = record(Cases, entry, stated | {"variations": _variations(stated)})
+        board = record(Board, "a board", whole | {"name": name})
+        _refuse(board, path)
+    except ParameterError as error:
+        raise ParameterError(f"{path}: {error}") from None
+    return board
+
+
+def _variations(of: Mapping[str, Any]) -> list[Variation]:
+    return [record(Variation, "a variation", each) for each in of.get("variations") or ()]
+
+
+def by_role(law: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """What a law states, by the role that plays it: that of the electronic differential first."""
+    found: dict[str, dict[str, Any]] = {ROLE: {}}
+    for name, value in law.items():
+        role, _, parameter = name.partition(".")
+        own, of = (role, parameter) if role in FURTHER else (ROLE, name)
+        found.setdefault(own, {})[of] = value
+    return found
+
+
+def _refuse(board: Board, path: Path) -> None:
+    """ParameterError for names that nothing declares, and for bounds that are none."""
+    if not 1 <= board.draws <= 100_000:
+        raise ParameterError(f"draws is {board.draws}, expected 1 to 100000")
+    if board.seed < 0 or not 0.0 < board.unstable <= 1.57:  # beyond it a car slides backwards
+        raise ParameterError(f"seed is {board.seed}, unstable {board.unstable}, expected 0 or more, above 0 to 1.57")
+    refuse_unknown("reference", [board.reference], board.laws)
+    kept = {name: cases for name in CASES if (cases := getattr(board, name))}
+    cars = [*board.cars, *(car for cases in kept.values() for car in cases.cars)]
+    for car in cars:
+        configured_file("vehicle", TextOfFile.of(car.partition(":")[0], path))
+    refuse_unknown("layout", [car.partition(":")[2] for car in cars], board.layouts)
+    for name, cases in kept.items():
+        for bounds in (cases.friction, cases.stiffness):
+            if len(bounds) != 2 or not 0.0 < bounds[0] <= bounds[1] <= 2.0:
+                raise ParameterError(f"{name} has the bounds {bounds}, expected two numbers that rise, above 0 to 2")
+    for name, road in board.roads.items():
+        if not len(road.left) == len(road.right) == len(road.length) + 1:
+            raise ParameterError(f"road {name} needs as many surfaces left as right, and a length for all but the last")
+        refuse_unknown(f"surface of {name}", [*road.left, *road.right], SURFACES)
+    for name, manoeuvre in board.manoeuvres.items():
+        refuse_unknown(f"road of {name}", [*manoeuvre.roads, *filter(None, [manoeuvre.steering_on])], board.roads)
+        refuse_unknown(f"car of {name}", manoeuvre.without, cars)
+        _refuse_search(name, manoeuvre)
+        _refuse_metrics(board.scales, name, manoeuvre)
+    for variation in [*board.variations, *(each for cases in kept.values() for each in cases.variations)]:
+        _refuse_variation(variation)
+    for name, values in board.laws.items():
+        for role, stated in by_role(mapping(f"law {name}", values)).items():
+            if "method" not in stated:
+                raise ParameterError(f"law {name} lacks {'' if role == ROLE else f'{role}.'}method")
+    refuse_unknown("law of tuned", list(board.tuned), board.laws)
+    for name, patterns in board.tuned.items():
+        if not (isinstance(patterns, list) and all(is_of(each, "str") for each in patterns)):
+            raise ParameterError(f"tuned has {name} with {quoted(str(patterns))}, expected a list of texts")
+    refuse_unknown("law of closed", board.closed, board.laws)
+    alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
+    if len(alike) > 1:
+        raise ParameterError(f"closed has laws that differ in one of {', '.join(_ALIKE)}, expected equal ones")
+
+
+def _refuse_variation(variation: Variation) -> None:
+    bounds, who = [*variation.factor, *variation.value, *variation.count], f"variation of {variation.parameter}"
+    if bounds if variation.choice else not _rise(bounds):
+        raise ParameterError(
+            f"{who} has the bounds {bounds}, expected two that rise, of one of factor, value, count, or a choice"
+        )
+    if variation.parameter == MOTOR_FAULT:
+        shares, begin = variation.value, variation.begin
+        if not (_rise(shares) and shares[0] >= 0.0 and shares[1] <= 1.0 and _rise(begin) and begin[0] >= 0.0):
+            raise ParameterError(f"{who} needs value and begin, expected two shares within 0 to 1 and two times")
+        if not 0.0 <= variation.probability <= 1.0:
+            raise ParameterError(f"{who} has the probability {variation.probability}, expected 0 to 1")
+    elif variation.begin or variation.probability != 1.0:
+        raise ParameterError(f"{who} has begin or probability, allowed for {MOTOR_FAULT} alone")
+
+
+def _rise(bounds: Sequence[float]) -> bool:
+    return len(bounds) == 2 and bounds[0] <= bounds[1]
+
+
+def _refuse_metrics(scales: Mapping[str, float], name: str, manoeuvre: Manoeuvre) -> None:
+    if not (manoeuvre.demand or manoeuvre.searched):
+        raise ParameterError(f"{name} lacks demand, expected are metrics of what the driver asks for, better the more")
+    counted, demanded = named_metrics(manoeuvre.metrics(*COSTS)), named_metrics(manoeuvre.demand)
+    for metric, each in counted.items():
+        if metric in METRICS and not each.better:
+            raise ParameterError(f"metric {metric} of {name} is better neither low nor high")
+    for metric, each in demanded.items():
+        if each.better == LOWER or (metric in counted and each.better != HIGHER):
+            raise ParameterError(f"demand of {name} is {metric}, which is better low, expected is better the more")
+    for metric in named_metrics(manoeuvre.measured):
+        scale = scales.get(metric)
+        if metric in {**counted, **demanded} and not (is_of(scale, "float") and scale > 0.0):
+            raise ParameterError(f"scales lacks a number above 0 for {metric} of {name}")
+
+
+def _refuse_search(name: str, manoeuvre: Manoeuvre) -> None:
+    if manoeuvre.entry_speed and manoeuvre.speed_scale:
+        raise ParameterError(f"{name} has entry_speed and speed_scale, expected one of them")
+    what, bounds = "speed_scale" if manoeuvre.speed_scale else "entry_speed", manoeuvre.searched
+    if bounds and not (len(bounds) == 2 and 0.0 < bounds[0] < bounds[1] and 1 <= manoeuvre.halvings <= 30):
+        raise ParameterError(f"{what} of {name} is {bounds}, expected two numbers that rise, and 1 to 30 halvings")
+    if not manoeuvre.entry_speed and ENTRY_SPEED in manoeuvre.measured:
+        raise ParameterError(f"entry_speed of {name} is measured, allowed with the bounds entry_speed: [LOW, HIGH]")

@@ -1,0 +1,109 @@
+"""What varies between the runs of a cell: seeded draws, the same for all laws."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ev_core.lockstep.configuration import Configuration
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.batches.variation import EVERY_ROLE
+from ev_study.benchmark.board import FRICTION, MOTOR_FAULT, TOLD_FRICTION, Board, Cell, Variation
+from ev_study.benchmark.cell_runs import SEEDS, driven_wheels, surfaces_of
+
+BELIEF = ("known.error_factor", "error_factor")  # how laws call the friction that they believe in over the true one
+_FAULTS, _ANYTHING = "faults", 2**31
+
+
+@dataclass(frozen=True)
+class Draws:
+    """By ROLE.PARAMETER a value for each run, for all laws; `told` are factors of the friction that they believe."""
+
+    values: Mapping[str, Sequence[Any]]
+    told: Sequence[float]
+
+
+def numbers_drawn(board: Board, cell: Cell) -> tuple[list[int], dict[str, list[Any]]]:
+    """The seed of each run, and by variation what is drawn for it, by the seed of the board and the name of the cell.
+
+    That is a factor, a value, a whole number or a choice; of MOTOR_FAULT the text of the fault, empty without one.
+    """
+    random = np.random.Generator(np.random.PCG64([board.seed, zlib.crc32(cell.id("").encode())]))
+    seeds, found = random.integers(_ANYTHING, size=board.draws).tolist(), {}
+    for variation in board.variations:
+        low, high = variation.bounds
+        numbers: list[Any] = (low + (high - low) * random.random(board.draws)).tolist()
+        if variation.parameter == MOTOR_FAULT:
+            numbers = _motor_faults(variation, driven_wheels(board, cell), numbers, random)
+        elif variation.choice:
+            chosen = random.integers(len(variation.choice), size=board.draws).tolist()
+            numbers = [variation.choice[each] for each in chosen]
+        elif variation.count:
+            numbers = random.integers(int(low), int(high) + 1, size=board.draws).tolist()
+        found[variation.parameter] = numbers
+    return seeds, found
+
+
+def _motor_faults(
+    variation: Variation, wheels: Sequence[str], shares: Sequence[float], random: np.random.Generator
+) -> list[str]:
+    """The fault of each run: none, or that of the motor of one of some wheels."""
+    struck = random.random(len(shares)) < variation.probability
+    places = random.integers(len(wheels), size=len(shares))
+    low, high = variation.begin
+    begins = low + (high - low) * random.random(len(shares))
+    return [
+        f"motor_share {wheels[place]} {share:.3f} from {begin:.2f}" if is_struck else ""
+        for is_struck, place, share, begin in zip(struck, places, shares, begins, strict=True)
+    ]
+
+
+def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
+    """The draws of a cell for its run without a law."""
+    seeds, numbers = numbers_drawn(board, cell)
+    values: dict[str, list[Any]] = {SEEDS: seeds}
+    told = [1.0] * board.draws
+    for variation in board.variations:
+        found = numbers[variation.parameter]
+        if variation.parameter == TOLD_FRICTION:
+            told = found
+        elif variation.parameter == FRICTION:
+            surfaces = [surfaces_of(board, cell, factor) for factor in found]
+            for name in ("own_c1", "own_c3"):
+                values[f"{MASTER}.road.{name}"] = [each[name] for each in surfaces]
+        elif variation.parameter == MOTOR_FAULT:
+            of_run = base[MASTER].values()[_FAULTS]
+            values[f"{MASTER}.{_FAULTS}"] = [[*of_run, fault] if fault else of_run for fault in found]
+        elif variation.factor:
+            of_car = value_in(base, variation.parameter)
+            values[variation.parameter] = [of_car * factor for factor in found]
+        else:
+            values[variation.parameter] = found
+    return Draws(values, told)
+
+
+def value_in(base: Mapping[str, Configuration], name: str) -> float:
+    """What a variation by a factor is on; ParameterError if it is no number."""
+    role, _, parameter = name.partition(".")
+    known = base[MASTER if role == EVERY_ROLE else role].values() if role == EVERY_ROLE or role in base else {}
+    if not isinstance(known.get(parameter), float):
+        raise ParameterError(f"{name} is refused: nothing of this name has a number that a factor could change")
+    return float(known[parameter])
+
+
+def own_draws(law: Mapping[str, Configuration], draws: Draws) -> dict[str, Sequence[float]]:
+    """What is drawn for a law alone: by the names that it has for the friction it believes in, its own factor x told.
+
+    ParameterError if one of the products is beyond the bounds of that name.
+    """
+    return {
+        f"{role}.{name}": [own * told for told in draws.told]
+        for role, of in law.items()
+        for name, own in of.values().items()
+        if name in BELIEF
+    }

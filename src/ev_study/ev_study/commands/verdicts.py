@@ -1,0 +1,120 @@
+"""Commands about what the sources published: verdicts on all numbers, and every panel of their figures.
+
+Each raises what `ev_sim.commands.run_scenario.main` catches.
+"""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.command_line.paths import output_folder
+from ev_sim.command_line.refusal import Parser
+from ev_sim.recording.outcome import bar_of_runs
+from ev_sim.recording.recording import atomic_file
+from ev_sim.report.tables import WIDTH_OF_A_PIPE
+from ev_sim.running.output_folder import OutputFolder
+from ev_study.measured.comparisons.comparison import FILE as COMPARISONS
+from ev_study.measured.comparisons.comparison import compare, kept_text
+from ev_study.measured.comparisons.comparison import table as comparison_table
+from ev_study.studies.study import Case, CaseResult, Measure
+from ev_study.studies.workers import drive_cases
+from ev_study.verdicts.need import Driven, Need, drive, kept_by_user
+from ev_study.verdicts.panels_page import INDEX, PublishedPanel, draw_panels, file_name, images_by_id, panels
+from ev_study.verdicts.panels_page import write_page as write_panels
+from ev_study.verdicts.sources import published, sources
+from ev_study.verdicts.verdict import FILES, Verdict, counts, plain_table, verdict, wanted, write
+
+MEASURED = "measured"  # among the sources of `verdicts`, with --data
+
+
+def _parser(name: str, about: str) -> Parser:
+    parser = Parser(prog=f"run.sh {name}", description=f"scripts/run.sh {name}: {about}")
+    folder = Path("results") / name
+    parser.add_argument(
+        "--out", type=output_folder, metavar="DIR", default=folder, help=f"output folder; default {folder}"
+    )
+    return parser
+
+
+def run_verdicts(argv: Sequence[str]) -> None:
+    """Drive, judge, print and write."""
+    parser = _parser("verdicts", "drive what the verdicts on all published numbers need, and print and write them.")
+    parser.add_argument(
+        "--only", nargs="+", action="extend", default=[], metavar="SOURCE", help="sources, ids or beginnings of ids"
+    )
+    parser.add_argument("--quick", action="store_true", help="leave out what takes more than a few seconds to drive")
+    parser.add_argument(
+        "--data",
+        type=Path,
+        metavar="DIR",
+        help=f"folder of measured data to hold the car against as well; --only {MEASURED} alone (docs/measured.md)",
+    )
+    given = parser.parse_args(argv)
+    start = time.monotonic()
+    only = [name for name in given.only if name != MEASURED or given.data is None]
+    found = judge_driven(only, given.quick)[0] if only or not given.only else []
+    if only and not found:
+        raise ParameterError(f"--only {' '.join(given.only)}: no such id or source; sources: {', '.join(sources())}")
+    with OutputFolder(given.out, "verdicts", (*FILES, COMPARISONS)) as folder:
+        if found:
+            images = {id: names for source in sources() for id, names in images_by_id(source).items()}
+            write(found, folder.directory, images)
+        if given.data is not None and (MEASURED in given.only or not given.only):
+            compared = compare(given.data, lambda line: print(line, flush=True))
+            with atomic_file(folder.directory / COMPARISONS) as file:
+                file.write(kept_text(compared).encode())
+            print(comparison_table(compared))
+    if found:
+        print(plain_table(found, shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns))
+        for source in sources():
+            if of_source := [each for each in found if each.published.id in published(source)]:
+                print(f"{source}: {counts(of_source)}")
+        print(f"all: {counts(found)}")
+    print(f"{time.monotonic() - start:.1f} s; table: {folder.directory}")
+
+
+def judge_driven(only: Sequence[str] = (), quick: bool = False) -> tuple[list[Verdict], Mapping[Need, Driven]]:
+    """The verdicts on some sources or ids, all if none is named, and what was driven for them.
+
+    What is not kept yet is driven on all cores.
+    """
+    chosen = [each for _, each in wanted(only, quick)]
+    driven = drive([need for each in chosen for need in each.needs], kept_by_user(), drive_with_progress)
+    return [verdict(each, [driven[need] for need in each.needs]) for each in chosen], driven
+
+
+def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> list[CaseResult]:
+    """Drive cases on all cores of this machine behind a progress bar."""
+    with bar_of_runs("driving", len(cases)) as bar:
+        return drive_cases(cases, measures, lambda result: bar.update())
+
+
+def run_figures(argv: Sequence[str]) -> None:
+    """Drive, draw and write."""
+    parser = _parser("figures", "draw every panel of the sources, on one page.")
+    parser.add_argument("--only", nargs="+", action="extend", default=[], metavar="SOURCE", help="sources")
+    given = parser.parse_args(argv)
+    for source in given.only:
+        if source not in sources():
+            raise ParameterError(f"--only {source} is refused, expected {', '.join(sources())}")
+    start = time.monotonic()
+    shown = {source: panels(source) for source in sources() if not given.only or source in given.only}
+    every = [(source, panel) for source, of_source in shown.items() for panel in of_source]
+    driven = drive([need for _, panel in every for need in panel.needs], kept_by_user(), drive_with_progress)
+    files = [file_name(source, panel) for source, panel in every]
+    with OutputFolder(given.out, "figures", [INDEX, *files]) as folder:
+        for source, of_source in shown.items():
+            draw_panels(source, of_source, driven, folder.directory)
+            print(f"{source}: {_counts(of_source)}")
+        page = write_panels(shown, folder.directory)
+    print(f"all: {_counts([panel for _, panel in every])}")
+    print(f"{time.monotonic() - start:.1f} s; page: {page}")
+
+
+def _counts(of: Sequence[PublishedPanel]) -> str:
+    drawn = sum(panel.draw is not None for panel in of)
+    return f"{len(of)} panels, {drawn} drawn, {len(of) - drawn} not drawable"

@@ -1,0 +1,122 @@
+"""Coefficients of the Magic Formula 6.1 from rig data: each force alone, then what both take from each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ev_study.measured.magic_formula import Points, combined_lateral, combined_longitudinal, lateral, longitudinal
+from ev_study.measured.rig import Sweeps
+
+# By step of the fit each coefficient with its start, least and largest value. What is not here is fixed (FIXED).
+_LATERAL = {
+    **{"PCY1": (1.4, 1.0, 2.5), "PDY1": (1.5, 0.1, 5.0), "PDY2": (-0.1, -2.0, 2.0), "PDY3": (0.0, -20.0, 20.0)},
+    **{"PEY1": (-0.5, -20.0, 1.0), "PEY2": (0.0, -20.0, 20.0), "PEY3": (0.0, -5.0, 5.0), "PEY4": (0.0, -50.0, 50.0)},
+    **{"PKY1": (-30.0, -200.0, -1.0), "PKY2": (1.5, 0.1, 20.0), "PKY3": (0.0, -5.0, 5.0)},
+    **{"PKY6": (-1.0, -10.0, 10.0), "PKY7": (0.0, -10.0, 10.0)},
+    **{"PHY1": (0.0, -0.05, 0.05), "PHY2": (0.0, -0.05, 0.05), "PVY1": (0.0, -0.2, 0.2), "PVY2": (0.0, -0.2, 0.2)},
+    **{"PVY3": (0.0, -5.0, 5.0), "PVY4": (0.0, -5.0, 5.0), "PPY1": (0.0, -3.0, 3.0), "PPY2": (0.0, -3.0, 3.0)},
+    **{"PPY3": (0.0, -3.0, 3.0), "PPY4": (0.0, -3.0, 3.0), "PPY5": (0.0, -3.0, 3.0)},
+}
+_LONGITUDINAL = {
+    **{"PCX1": (1.5, 1.0, 2.5), "PDX1": (1.5, 0.1, 5.0), "PDX2": (-0.1, -2.0, 2.0), "PDX3": (0.0, -20.0, 20.0)},
+    **{"PEX1": (0.0, -20.0, 1.0), "PEX2": (0.0, -20.0, 20.0), "PEX3": (0.0, -20.0, 20.0), "PEX4": (0.0, -1.0, 1.0)},
+    **{"PKX1": (40.0, 1.0, 200.0), "PKX2": (0.0, -100.0, 100.0), "PKX3": (0.0, -2.0, 2.0)},
+    **{"PHX1": (0.0, -0.05, 0.05), "PHX2": (0.0, -0.05, 0.05), "PVX1": (0.0, -0.2, 0.2), "PVX2": (0.0, -0.2, 0.2)},
+    **{"PPX1": (0.0, -3.0, 3.0), "PPX2": (0.0, -3.0, 3.0), "PPX3": (0.0, -3.0, 3.0), "PPX4": (0.0, -3.0, 3.0)},
+}
+_COMBINED_X = {
+    **{"RBX1": (10.0, 0.1, 100.0), "RBX2": (8.0, -100.0, 100.0), "RBX3": (0.0, -100.0, 100.0)},
+    **{"RCX1": (1.1, 0.3, 2.0), "RHX1": (0.0, -0.05, 0.05)},
+}
+_COMBINED_Y = {
+    **{"RBY1": (10.0, 0.1, 100.0), "RBY2": (8.0, -100.0, 100.0), "RBY3": (0.0, -0.2, 0.2)},
+    **{"RBY4": (0.0, -100.0, 100.0)},
+    **{"RCY1": (1.1, 0.3, 2.0), "RHY1": (0.0, -0.1, 0.1), "RHY2": (0.0, -0.1, 0.1)},
+    **{"RVY1": (0.0, -1.0, 1.0), "RVY2": (0.0, -1.0, 1.0), "RVY3": (0.0, -10.0, 10.0), "RVY4": (10.0, 0.0, 100.0)},
+    **{"RVY5": (1.9, 0.1, 3.0), "RVY6": (10.0, -100.0, 100.0)},
+}
+FIXED = {"PKY4": 2.0, "PKY5": 0.0, "PEY5": 0.0, "REX1": 0.0, "REX2": 0.0, "REY1": 0.0, "REY2": 0.0}
+PER_SWEEP = 60  # samples of each sweep that the fit sees, evenly spread: they are far closer than a tyre can change
+KINDS = ("lateral", "longitudinal", "combined longitudinal", "combined lateral")
+
+
+@dataclass(frozen=True)
+class TyreFit:
+    """The coefficients, and by kind of force the RMS error over the largest force, of seen and of unseen sweeps.
+
+    `at_start` names the coefficients that no sweep has decided: they are assumptions.
+    """
+
+    coefficients: Mapping[str, float]
+    seen: Mapping[str, float]
+    unseen: Mapping[str, float]
+    at_start: tuple[str, ...] = ()
+
+
+def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
+    """Fit to all sweeps but every `held_out`-th; what a kind of sweep is not there for stays at its start."""
+    points = sweeps.points
+    nominal = {"FNOMIN": float(np.median(points.load)), "NOMPRES": float(np.median(points.pressure))}
+    every = (*_LATERAL.items(), *_LONGITUDINAL.items(), *_COMBINED_X.items(), *_COMBINED_Y.items())
+    found = {**FIXED, **nominal, **{name: start for name, (start, _, _) in every}}
+    unseen = sweeps.number % held_out == held_out - 1
+    along, across = points.longitudinal_force, points.lateral_force
+    both = ~sweeps.is_lateral & ~sweeps.is_longitudinal
+    steps = dict(
+        zip(
+            KINDS,
+            (
+                (_LATERAL, lateral, across, sweeps.is_lateral),
+                (_LONGITUDINAL, longitudinal, along, sweeps.is_longitudinal),
+                (_COMBINED_X, combined_longitudinal, along, both),
+                (_COMBINED_Y, combined_lateral, across, both),
+            ),
+            strict=True,
+        )
+    )
+    seen_errors, unseen_errors = {}, {}
+    at_start: list[str] = []
+    for kind, (free, model, force, chosen) in steps.items():
+        if not (chosen & ~unseen).any():
+            at_start += free
+            continue
+        thin = _thinned(sweeps.number, chosen & ~unseen)
+        found |= _fitted(free, model, found, points.some(thin), force[thin])
+        for errors, part in ((seen_errors, chosen & ~unseen), (unseen_errors, chosen & unseen)):
+            if part.any():
+                errors[kind] = _relative(model(found, points.some(part)), force[part])
+    return TyreFit(found, seen_errors, unseen_errors, tuple(at_start))
+
+
+def _thinned(number: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    places = np.flatnonzero(chosen)
+    sweeps = np.split(places, np.flatnonzero(np.diff(number[places])) + 1)
+    return np.concatenate([s[np.linspace(0, len(s) - 1, min(PER_SWEEP, len(s))).astype(int)] for s in sweeps])
+
+
+def _fitted(
+    free: Mapping[str, tuple[float, float, float]],
+    model: Callable[[Mapping[str, float], Points], np.ndarray],
+    others: Mapping[str, float],
+    points: Points,
+    force: np.ndarray,
+) -> dict[str, float]:
+    """Least squares with a loss that does not follow outliers beyond a tenth of the largest force."""
+    starts, lows, highs = np.array(list(free.values())).T
+    largest = float(np.max(np.abs(force)))
+
+    def errors(values: np.ndarray) -> np.ndarray:
+        return (model({**others, **dict(zip(free, values, strict=True))}, points) - force) / largest
+
+    scale = np.maximum(np.abs(starts), 0.05 * np.minimum(highs - lows, 2.0))
+    ends = (lows, highs)
+    found = least_squares(errors, starts, bounds=ends, x_scale=scale, loss="soft_l1", f_scale=0.1, max_nfev=200)
+    return {name: float(value) for name, value in zip(free, found.x, strict=True)}
+
+
+def _relative(model: np.ndarray, force: np.ndarray) -> float:
+    return float(np.sqrt(np.mean((model - force) ** 2)) / np.max(np.abs(force)))

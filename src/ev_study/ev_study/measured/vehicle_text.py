@@ -1,0 +1,106 @@
+"""The identified car as files: a vehicle file with what is known of each number, and the parameters beside the car."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import yaml
+
+from ev_core.parameters.declaration import flatten
+from ev_core.vehicle.description import Vehicle
+from ev_study.measured.free_parameters import FreeParameter
+
+
+def vehicle_text(
+    stated: Mapping[str, Any],
+    vehicle: Vehicle,
+    free: Sequence[FreeParameter],
+    values: np.ndarray,
+    notes: Sequence[str],
+    head: Sequence[str],
+) -> str:
+    """A vehicle file: what the start `stated` by dotted name, with the free values of the `vehicle` as files gave it.
+
+    `notes` stand behind the free values, `head` at the top, as comments.
+    """
+    found = {name: value for name, value in stated.items() if name.startswith("vehicle.")}
+    given, comments = flatten(vehicle, "vehicle."), dict[str, list[str]]()
+    for each, value, note in zip(free, values, notes, strict=True):
+        if not each.is_of_vehicle:
+            continue
+        if each.place >= 0:
+            if each.array not in found or not found[each.array]:
+                found[each.array] = given[each.array]
+                found.pop(each.array.removesuffix("_mf") + "_file", None)
+            found[each.array] = [*found[each.array]]
+            found[each.array][each.place] = float(value)
+            note = f"{each.name.rpartition('.')[2]} {value:.6g}: {note}"
+        else:
+            found[each.array] = float(value)
+        comments.setdefault(each.array, []).append(note)
+    lines = [f"# {line}" for line in head]
+    return "\n".join([*lines, "/**:", "  ros__parameters:", *_nested(found, comments)]) + "\n"
+
+
+def parameter_text(
+    beside: Mapping[str, Any],
+    free: Sequence[FreeParameter],
+    values: np.ndarray,
+    notes: Sequence[str],
+    head: Sequence[str],
+) -> str:
+    """A ROS parameter file beside the vehicle's: what was given `beside` it by ROLE.PARAMETER, and the free values."""
+    found = {name: (value, "") for name, value in beside.items()}
+    found |= {f.name: (float(v), n) for f, v, n in zip(free, values, notes, strict=True) if not f.is_of_vehicle}
+    lines, last = [f"# {line}" for line in head], ""
+    for name in sorted(found):
+        role, _, parameter = name.partition(".")
+        if role != last:
+            lines += [f"/**/{role}:", "  ros__parameters:"]
+        value, note = found[name]
+        lines.append(f"    {parameter}: {_flow(value)}" + (f"  # {note}" if note else ""))
+        last = role
+    return "\n".join(lines) + "\n" if found else ""
+
+
+def _flow(value: Any) -> str:
+    """A value in one line of YAML."""
+    text = yaml.safe_dump([*value] if isinstance(value, tuple) else value, default_flow_style=True, width=10**6)
+    return text.removesuffix("...\n").strip()
+
+
+def _nested(values: Mapping[str, Any], comments: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Lines of YAML, a level of indentation for each dot; comments stand above what has several, else behind."""
+    before: list[str] = []
+    for name in sorted(values, key=_order(values)):
+        *groups, last = name.split(".")
+        common = next(
+            (n for n, (a, b) in enumerate(zip(before, groups, strict=False)) if a != b), min(len(before), len(groups))
+        )
+        for level in range(common, len(groups)):
+            yield f"{'  ' * (level + 2)}{groups[level]}:"
+        before = groups
+        indent = "  " * (len(groups) + 2)
+        about = comments.get(name, ())
+        if len(about) > 1:
+            yield from (f"{indent}# {line}" for line in about)
+        text = _flow(values[name])
+        yield f"{indent}{last}: {text}" + (f"  # {about[0]}" if len(about) == 1 else "")
+
+
+def _order(values: Mapping[str, Any]) -> Any:
+    """As they were stated, but single values of a group before its groups, so that each group stands once."""
+    places = {name: n for n, name in enumerate(values)}
+    first: dict[str, int] = {}
+    for name, place in places.items():
+        parts = name.split(".")
+        for n in range(1, len(parts)):
+            first.setdefault(".".join(parts[:n]), place)
+
+    def key(name: str) -> list[tuple[int, int]]:
+        parts = name.split(".")
+        return [(1, first[".".join(parts[:n])]) for n in range(1, len(parts))] + [(0, places[name])]
+
+    return key

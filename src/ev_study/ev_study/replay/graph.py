@@ -1,0 +1,290 @@
+"""A replay of a run: one role is played anew, all others play back what was recorded; what it leaves behind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ev_core.lockstep.configuration import Configuration, configure, refuse_unused
+from ev_core.methods.register import CommonParameters
+from ev_core.nodes.master.real_time import MasterParameters
+from ev_core.parameters.declaration import flatten
+from ev_core.parameters.values import entries_by_name
+from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
+from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_sim.figures.saving import Print, figure_files, save_figures
+from ev_sim.figures.sheets import drawn
+from ev_sim.recording.outcome import Outcome
+from ev_sim.recording.recording import (
+    LOG,
+    OF_ALL_RUNS,
+    PAGE,
+    PARAMETERS,
+    SIGNALS,
+    SUMMARY,
+    Recording,
+    atomic_file,
+    save,
+)
+from ev_sim.report.summary import Summary, write_summary
+from ev_sim.report.tables import TABLES
+from ev_sim.running.offline import write_parameter_file
+from ev_sim.running.output_folder import OutputFolder
+from ev_sim.scenarios.about import VEHICLE, vehicle_file
+from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.scenario import Overrides, Run
+from ev_study.replay import comparing
+from ev_study.replay.comparing import Difference, difference_of
+from ev_study.replay.recorded import Recorded
+
+_RECORDED, REPLAYED, _LATENCY = "recorded", "replayed", "latency"
+_OF_WALL_TIME = ("mode", "scheduling_priority", "lock_memory", "real_time_factor", "duration", "await_recorder")
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A role that is played anew: `values` are those of its parameters, `duration` is simulated [s]."""
+
+    recorded: Recorded
+    role: str
+    values: Mapping[str, Any]
+    duration: float
+    configuration: Configuration
+
+    @property
+    def answers(self) -> tuple[type, ...]:
+        """The signals that it writes and that were recorded."""
+        return tuple(signal for signal in self.configuration.method.writes if self.recorded.has(signal))
+
+    def run(self, signals: Path) -> Run:
+        """The graph, with the recorded signals in a file."""
+        configurations = {}
+        common = {name: value for name, value in self.values.items() if name in entries_by_name(CommonParameters, "")}
+        for role in ROLES:
+            if role == self.role:
+                configurations[role] = self.configuration
+            elif any(map(self.recorded.has, ROLES[role].writes)):
+                configurations[role] = _configured(role, {**common, "method": str(signals)}, self.duration)
+        if MASTER not in configurations:
+            topics = ", ".join(TOPICS[signal].name for signal in ROLES[MASTER].writes)
+            raise ParameterError(f"{self.recorded.source} has nothing of the {MASTER}, expected any of {topics}")
+        return Run(REPLAYED, self.recorded.namespace, configurations, self.duration)
+
+    def differences(self, replayed: Recording) -> tuple[Difference, ...]:
+        """All channels that the role writes and that were recorded, where both sides are known."""
+        came, units = self.recorded.came, frame.units()
+        known = self._compared()[: len(replayed.time)]
+        return tuple(
+            difference_of(name, units[name], self.recorded.recording.channels[name], replayed, known & there)
+            for signal in self.answers
+            for there in [came[TOPICS[signal]][: len(known)]]
+            for name in TOPICS[signal].channels
+        )
+
+    def _compared(self) -> np.ndarray:
+        """Whether what the role answers from is recorded (n,): of this instant, or if it integrates the one before."""
+        there = np.ones(len(self.recorded.recording.time), bool)
+        for signal in self.configuration.method.reads:
+            if signal is not Instant:
+                there &= self.recorded.came[TOPICS[signal]]
+        return np.append([True], there[:-1]) if ROLES[self.role].kind is RoleKind.INTEGRATES else there
+
+
+def _configured(role: str, values: Mapping[str, Any], duration: float) -> Configuration:
+    """The master has the duration besides."""
+    if role == MASTER:
+        return configure(role, {**values, "duration": duration}, MasterParameters)
+    return configure(role, values)
+
+
+def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) -> Replay:
+    """A role of a recorded run, with the parameters of that run and what differs; `method` may be empty: as recorded.
+
+    ParameterError, in one line, for a role, method, parameter or car that cannot be, and for a topic that is missing.
+    """
+    if role not in ROLES:
+        raise unknown_name("node", role, ROLES)
+    for node, key, _ in overrides.values:
+        if node not in ("*", role):
+            raise ParameterError(f"{node}.{key} is refused: {node} says what was recorded, expected {role}.{key}")
+    files = [*_car(recorded, overrides.vehicle), *map(ParameterFile, overrides.files)]
+    values: dict[str, Any] = {}
+    for file in files:
+        values.update(file.values_for(f"{recorded.namespace}/{role}"))
+    values.update({key: value for _, key, value in overrides.values})
+    _refuse_other_car(files[0], recorded.namespace, role, values)
+    if method:
+        values["method"] = method
+    values.setdefault("control_period", stamps.to_seconds(recorded.period))
+    for name in _OF_WALL_TIME:
+        values.pop(name, None)
+    duration = recorded.duration if overrides.duration is None else overrides.duration
+    if not 0.0 < duration <= recorded.duration:
+        raise ParameterError(f"duration: {duration!r} is refused, expected more than 0 and up to {recorded.duration}")
+    try:
+        configuration = _configured(role, values, duration)
+    except ParameterError as error:
+        raise ParameterError(f"{role}: {error}") from None
+    _refuse_missing(recorded, configuration)
+    for _, key, _ in overrides.values:
+        refuse_unused(key, [configuration])
+    return Replay(recorded, role, values, duration, configuration)
+
+
+def _car(recorded: Recorded, vehicle: str | None) -> Sequence[ParameterFile]:
+    """The file that names the car; there has to be one."""
+    given = recorded.parameters
+    if given is not None:
+        if vehicle:
+            raise ParameterError(f"--vehicle {vehicle} is refused: {given.path} says which car it was")
+        return (given,)
+    if not vehicle:
+        raise ParameterError(f"{recorded.source}: no parameters.yaml beside it says which car it was: --vehicle FILE")
+    return (vehicle_file(vehicle),)
+
+
+def _refuse_other_car(driven: ParameterFile, namespace: str, role: str, values: Mapping[str, Any]) -> None:
+    """ParameterError if the car is not that of the file of what was driven."""
+    car = driven.values_for(f"{namespace}/{role}")
+    for name, value in values.items():
+        if name.startswith(f"{VEHICLE}.") and value != car.get(name, value):
+            raise ParameterError(f"{name} {value} is refused: {car[name]} was driven ({driven.path})")
+
+
+def _refuse_missing(recorded: Recorded, configuration: Configuration) -> None:
+    role, method = configuration.role, configuration.method
+    has = ", ".join(topic.name for topic in recorded.topics)
+    for signal in method.inputs:
+        if signal is not Instant and not recorded.has(signal):
+            reads = f"which the {role} {method.name} reads"
+            raise ParameterError(f"{recorded.source} has no {TOPICS[signal].name}, {reads}; it has {has}")
+    if not any(map(recorded.has, method.writes)):
+        topics = ", ".join(TOPICS[signal].name for signal in method.writes)
+        raise ParameterError(f"{recorded.source} has no {topics} of the {role} to compare with; it has {has}")
+
+
+def replay_folder(replay: Replay, out: Path) -> OutputFolder:
+    """Where a replay writes; ParameterError if the folder cannot be had, or would replace what is replayed."""
+    source = replay.recorded.source.resolve()
+    runs = [Run(name, replay.recorded.namespace, {}, replay.duration) for name in (_RECORDED, REPLAYED)]
+    if any(source.is_relative_to((out / run.name).resolve()) for run in runs):
+        raise ParameterError(f"--out {out}: the run that is replayed is there, expected another folder")
+    logs = [f"{REPLAYED}/{LOG}/{role}.log" for role in ROLES]
+    return OutputFolder(out, "replay", [*OF_ALL_RUNS, *TABLES, *figure_files([_LATENCY]), *logs], runs)
+
+
+def prepared(replay: Replay, folder: OutputFolder) -> Run:
+    """The graph that replays; the recorded signals that it plays back are in the folder then."""
+    recorded = folder.directory / _RECORDED
+    _write_told(recorded / PARAMETERS, replay)
+    save(replay.recorded.recording, recorded / SIGNALS)
+    return replay.run(recorded / SIGNALS)
+
+
+def _write_told(path: Path, replay: Replay) -> None:
+    """What is known of the nodes of the recorded run, so that it can be replayed once more from there."""
+    given = replay.recorded.parameters
+    if given is not None:
+        with atomic_file(path) as file:
+            file.write(given.path.read_bytes())
+        return
+    common = flatten(replay.configuration.common)
+    nodes = {"**": {name: value for name, value in common.items() if value != ()}}
+    write_parameter_file(path, Run(_RECORDED, replay.recorded.namespace, {}, replay.duration), nodes)
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """A replay that was driven; `command` are the words of the node that took part, `line` repeats it all."""
+
+    replay: Replay
+    run: Run
+    outcome: Outcome
+    differences: Sequence[Difference]
+    command: Sequence[str]
+    line: str
+
+    @property
+    def _who(self) -> str:
+        return " ".join(self.command) or self.replay.configuration.method.name
+
+    @cached_property
+    def _latency(self) -> dict[str, Any]:
+        return comparing.latency_of(self.replay.recorded)
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        writes, answers = self.replay.configuration.method.writes, self.replay.answers
+        left_out = [TOPICS[signal].name for signal in writes if signal not in answers]
+        more = (f"not in the bag, so not compared: {', '.join(left_out)}",) if left_out else ()
+        return (*self.replay.recorded.notes, *more, *self.outcome.notes)
+
+    def lines(self) -> list[str]:
+        """What the terminal shows."""
+        table = comparing.table_of(self.differences)
+        answers = [TOPICS[signal].name for signal in self.replay.answers]
+        return [
+            *([table] if table else []),
+            *(f"note: {note}" for note in self._notes),
+            *(comparing.latencies_in_words(self._latency, answers) if self._latency else []),
+            f"{self.replay.role} {self._who}: {comparing.in_words(self.differences)}",
+            f"{self.run.duration:g} s in {self.outcome.wall_time:.2f} s",
+        ]
+
+    def write(self, folder: OutputFolder, page: bool, prints: Print) -> str:
+        """Write all of it; the answer names the page if there is one."""
+        runs = {_RECORDED: self._recorded(), REPLAYED: self.outcome.recording}
+        comparing.table_files(self.differences, folder.directory)
+        content = self._content(runs)
+        sheets = {_LATENCY: comparing.latency_sheet(self._latency)} if self._latency else {}
+        prints.save(sheets, folder.directory, folder.claim)
+        write_summary(folder.directory / SUMMARY, content)
+        if not page:
+            return ""
+        figures = drawn(sheets)
+        save_figures(figures, folder.directory)
+        from ev_sim.report.page.writing import Page, Signals, images_of, write_page
+
+        signals = Signals("", runs, self.replay.configuration.common.vehicle)
+        text = "\n".join(
+            line for line in (comparing.in_words(self.differences), comparing.table_of(self.differences)) if line
+        )
+        title = f"{self.replay.role} {self._who}, replayed"
+        images = images_of(figures, folder.directory)
+        write_page(Page(title, {"": content}, (signals,), images, text), folder.directory / PAGE)
+        return f"{PAGE}, "
+
+    def _recorded(self) -> Recording:
+        """As much of the recorded run as was replayed."""
+        recording, count = self.replay.recorded.recording, len(self.outcome.recording.time)
+        return Recording(recording.time[:count], {name: row[:count] for name, row in recording.channels.items()})
+
+    def _content(self, runs: dict[str, Recording]) -> dict[str, Any]:
+        role, configuration = self.replay.role, self.replay.configuration
+        summary = Summary(
+            scenario=f"replay of {self.replay.recorded.source}",
+            mode="replay, processes" if self.command else "replay, offline",
+            seed=configuration.common.seed,
+            methods={role: configuration.method.name},
+            own_nodes={role: " ".join(self.command)} if self.command else {},
+            parameters={role: configuration.values()},
+            vehicle=configuration.common.vehicle,
+            runs=runs,
+            metrics={},
+            wall_time=self.outcome.wall_time,
+            not_reproducible=self.outcome.not_reproducible,
+            notes=self._notes,
+            about=f"{role} {self._who} on recorded inputs; all others say what was recorded",
+            command=self.line,
+            timing={_RECORDED: self._latency} if self._latency else {},
+        ).as_json()
+        del summary["differs"]  # from a scenario's file, which there is none of
+        return {**summary, "differences": [asdict(each) for each in self.differences]}

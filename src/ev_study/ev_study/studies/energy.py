@@ -1,0 +1,199 @@
+"""Energy of electric cars from the wall to the wheels on UDDS and HWFET, compared with an EPA test car list.
+
+The plant is compact_ev with the mass, the road load and the driven axles of each car, and with the assumptions about
+its class of drives (`electric_cars`). The tyres, wheels and gear ratio of compact_ev stand for all cars, and neither
+motors nor battery have a limit.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_sim.measures import motion
+from ev_sim.measures.metric import Metric, channel
+from ev_sim.profiles.profile import cycle_values
+from ev_sim.recording.recording import Recording
+from ev_sim.report.tables import text_table
+from ev_sim.scenarios.about import vehicle_of
+from ev_sim.scenarios.scenario import Run
+from ev_study.studies.electric_cars import (
+    CYCLES,
+    FITTED,
+    REFERENCE_MASS,
+    Assumptions,
+    ElectricCar,
+    assumption_rows,
+    fit,
+    held_out,
+    read_assumptions,
+    read_cars,
+)
+from ev_study.studies.study import Case, Results
+
+ABOUT = "Energy of the electric cars of an EPA test car list, wall to wheels, on UDDS and HWFET"
+_OF_A_CYCLE = ("W h/km", "measured", "error")
+COLUMNS = ("car", "drive", "part", *(f"{cycle}: {what}" for cycle in CYCLES for what in _OF_A_CYCLE))
+LEFT = 3
+SUMS = ("median", "ninety")
+_SCENARIO, _VEHICLE = "coast_down", "compact_ev"
+_NO_LIMIT, _LARGE_TORQUE = 5e6, 2e4  # W, N m
+_FIT, _NEW = "fit", "new"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """The list of cars, the assumptions, and which cars."""
+    parser.add_argument("cars", type=Path, metavar="CARS.csv", help="test car list (docs/energy.md)")
+    parser.add_argument("--assumptions", type=Path, metavar="FILE", help="default: config/energy/assumptions.csv")
+    parser.add_argument(
+        "--fit",
+        action="store_true",
+        help="fit the assumptions to the cars of this list that are not held out, and print them",
+    )
+    parser.add_argument("--only", nargs="+", default=[], metavar="TEXT", help="cars whose name has one of these texts")
+
+
+def _cars(given: argparse.Namespace) -> list[ElectricCar]:
+    cars = read_cars(given.cars)
+    return [car for car in cars if not given.only or any(text in car.name for text in given.only)]
+
+
+def _assumptions(given: argparse.Namespace) -> Assumptions:
+    return _fitted(given.cars) if given.fit else read_assumptions(given.assumptions)
+
+
+@cache
+def _fitted(file: Path) -> Assumptions:
+    cars = read_cars(file)
+    kept = held_out(cars)
+    return fit([car for car in cars if car.vehicle not in kept])
+
+
+def cases(given: argparse.Namespace) -> Sequence[Case]:
+    """Each car on each cycle."""
+    assumptions = _assumptions(given)
+    return [
+        Case(
+            f"{car.name}: {cycle}",
+            _SCENARIO,
+            _values(car, cycle, assumptions),
+            duration=cycle_values(cycle)[1],
+            vehicle=_VEHICLE,
+        )
+        for car in _cars(given)
+        for cycle in CYCLES
+    ]
+
+
+def _values(car: ElectricCar, cycle: str, a: Assumptions) -> tuple[tuple[str, str, Any], ...]:
+    base = vehicle_of(_VEHICLE)
+    machines, radius, gear = 2 * car.driven_axles, base.wheel_radius, base.gear_ratio
+    size = car.mass / REFERENCE_MASS
+    torques = (gear * a.gear_efficiency / radius) ** 2  # squared force at the wheel over squared torque at the shaft
+    vehicle = {
+        "mass": car.mass,
+        "rolling_resistance": 0.0,
+        "drag_coefficient": 0.0,
+        "road_load.constant": car.constant,
+        "road_load.linear": car.linear,
+        "road_load.quadratic": car.quadratic,
+        "driven_wheels": list(WHEEL_NAMES[:machines]),
+        "motor.gear_efficiency": a.gear_efficiency,
+        "motor.copper_loss": a.copper / size * machines * torques,
+        "motor.iron_loss": a.idle[car.drive] * size * radius / gear / machines,
+        "battery.auxiliary_power": a.auxiliary_power,
+        "maximum_brake_torque": _LARGE_TORQUE,
+        "battery.capacity": 1000.0,
+        "battery.resistance": 1e-3,
+        **dict.fromkeys(("motor.eddy_loss", "motor.inverter_loss", "motor.inverter_torque_loss"), 0.0),
+        **dict.fromkeys(("motor.peak_torque", "motor.nominal_torque", "motor.generator_torque"), _LARGE_TORQUE),
+        **dict.fromkeys(("motor.peak_power", "motor.generator_power"), _NO_LIMIT),
+        **dict.fromkeys(("battery.discharge_power", "battery.charge_power"), _NO_LIMIT),
+    }
+    control = {
+        "proportional_gain": 5.0 * car.mass,
+        "integral_gain": 5.0 * car.mass,
+        "max_drive_torque": _LARGE_TORQUE,
+        "max_brake_torque": _LARGE_TORQUE,
+        "max_regenerative_torque": a.recovery[car.drive] * car.mass * radius,
+    }
+    return (
+        *(("*", f"vehicle.{name}", value) for name, value in vehicle.items()),
+        *(("driver", f"speed_control.{name}", value) for name, value in control.items()),
+        ("driver", "pedals.begin", False),
+        ("driver", "speed_profile.file", f"cycles/{cycle}.csv"),
+        ("plant", "initial_speed", 0.0),
+    )
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """Consumption from the battery [W h/km] and the largest difference from the speed of the cycle [m/s]."""
+    power = -channel(recording, "battery.voltage") * channel(recording, "battery.current")
+    distance = float(motion.distance_on_path(recording)[-1])
+    wanted = run.configurations["driver"].parameters.speed_profile
+    asked = np.interp(recording.time, wanted.time, wanted.speed)
+    return {
+        "consumption": float((power[1:] * np.diff(recording.time)).sum()) / 3600.0 / (distance / 1000.0),
+        "speed_error": float(np.abs(motion.speed(recording) - asked).max()),
+    }
+
+
+def _compared(given: argparse.Namespace, results: Results) -> list[tuple[ElectricCar, bool, list[tuple[float, float]]]]:
+    """Each car that was driven, whether it is new to the assumptions, and by cycle ours and measured [W h/km]."""
+    assumed = _assumptions(given)
+    found = []
+    for car in _cars(given):
+        driven = [results[f"{car.name}: {cycle}"].measured for cycle in CYCLES]
+        if all(driven):
+            ours = (each["consumption"] / assumed.charger_efficiency for each in driven)
+            found.append((car, car.vehicle not in assumed.fitted, list(zip(ours, car.measured.values(), strict=True))))
+    return found
+
+
+def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
+    """Median and ninetieth percentile of the relative error, of all cars and of those new to the assumptions."""
+    compared = _compared(given, results)
+    found = {}
+    for part, of in (("", compared), ("_new", [each for each in compared if each[1]])):
+        errors = [abs(ours / measured - 1.0) for _, _, pairs in of for ours, measured in pairs]
+        if errors:
+            found[f"median_error{part}"] = Metric(float(np.median(errors)), "1")
+            found[f"ninety_percent_within{part}"] = Metric(float(np.quantile(errors, 0.9)), "1")
+    return found
+
+
+def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
+    """Car, class of its drive, whether it was fitted or is new; by cycle ours, what was measured, and the error."""
+    return [
+        (
+            *(car.name, car.drive, _NEW if new else _FIT),
+            *(
+                text
+                for ours, measured in pairs
+                for text in (f"{ours:.0f}", f"{measured:.0f}", f"{100 * (ours / measured - 1):+.1f} %")
+            ),
+        )
+        for car, new, pairs in _compared(given, results)
+    ]
+
+
+def tables(given: argparse.Namespace, results: Results) -> str:
+    """The assumptions, the rows, and the errors in sum."""
+    names = ("quantity", "class", "value", "unit")
+    # The codes of the fitted cars only for a fit of this list, whose assumptions somebody may want to keep.
+    shown = [row for row in assumption_rows(_assumptions(given)) if given.fit or row[0] != FITTED]
+    assumed = text_table(names, shown, left=names[:2])
+    errors = {name: 100.0 * float(metric.value or 0.0) for name, metric in metrics(given, results).items()}
+    sums = [
+        f"{which}: median error {errors[f'median_error{part}']:.1f} %, 90 % of the rows within "
+        f"{errors[f'ninety_percent_within{part}']:.1f} %"
+        for part, which in (("", "all cars"), ("_new", "cars that the assumptions were not fitted to"))
+        if f"median_error{part}" in errors
+    ]
+    return "\n".join([assumed, "", text_table(COLUMNS, rows(given, results), left=COLUMNS[:LEFT]), *sums])

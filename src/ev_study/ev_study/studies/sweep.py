@@ -1,0 +1,218 @@
+"""Any parameters of any scenario over values and seeds: a row of metrics for each run, as table and figures."""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import math
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import yaml
+
+from ev_msgs_py.refusal import ParameterError, quoted
+from ev_sim.command_line.options import add_metrics
+from ev_sim.figures.other_axes import band, colour_map, mean_of_seeds
+from ev_sim.figures.panels import IN_FIGURES, readable
+from ev_sim.figures.sheets import Sheet
+from ev_sim.measures.metric import Metric
+from ev_sim.measures.own_metrics import listed, named_metric
+from ev_sim.recording.recording import Recording
+from ev_sim.report.reports import further_metrics, measured_metrics, row_of
+from ev_sim.report.tables import cell, tables_by_width
+from ev_sim.scenarios.parameter_file import read_yaml
+from ev_sim.scenarios.scenario import Run
+from ev_study.studies.study import Case, CaseResult, Results, better_by_column, not_measured, run_of_command
+
+ABOUT = "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or maps"
+SEED = "seed"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Which scenario, what varies, and what is shown of it."""
+    parser.add_argument("scenario", nargs="?", default="double_lane_change", help="name or path; default: %(default)s")
+    parser.add_argument("--run", default="", help="of a scenario with several runs; default: the first")
+    parser.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="NODE.PARAM=VALUES",
+        help="x,y,z, lists as [x,y],[z], or FIRST:LAST:COUNT for so many numbers; may be repeated, then every value "
+        "meets every other",
+    )
+    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="runs of each, with the seeds 0 to N - 1")
+    add_metrics(parser, "default: those of the scenario")
+
+
+MOST = 100_000  # runs of a sweep
+
+
+def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
+    """By NODE.PARAM, and `seed` if there are several, the values; ParameterError for words without sense."""
+    if not 1 <= given.seeds <= MOST:
+        raise ParameterError(f"--seeds {given.seeds} is refused, expected 1 to {MOST}")
+    varied: dict[str, list[Any]] = {}
+    for word in given.vary:
+        place, found, text = word.partition("=")
+        if not (found and text and place.partition(".")[2]):
+            raise ParameterError(f"--vary {quoted(word)} is refused, expected NODE.PARAM=x,y,z or =FIRST:LAST:COUNT")
+        for other in (*varied, *(["*.seed"] if given.seeds > 1 else [])):
+            if _is_same(place, other):
+                raise ParameterError(f"--vary {quoted(word)} is refused: {other} varies already, expected once")
+        try:
+            varied[place] = _values(text)
+        except ValueError as why:
+            raise ParameterError(f"--vary {quoted(word)} is refused, expected {why}") from None
+    runs = given.seeds * math.prod(map(len, varied.values()))
+    if runs > MOST:
+        raise ParameterError(f"a sweep of {runs} runs is refused, expected {MOST}; docs/batch.md has what drives more")
+    if runs == 1 and not varied:
+        raise ParameterError("a sweep of nothing is refused, expected --vary NODE.PARAM=x,y,z, --seeds N, or both")
+    return {**varied, **({SEED: list(range(given.seeds))} if given.seeds > 1 else {})}
+
+
+def _is_same(place: str, other: str) -> bool:
+    (node, _, name), (other_node, _, other_name) = place.partition("."), other.partition(".")
+    return name == other_name and (node == other_node or "*" in (node, other_node))
+
+
+def _values(text: str) -> list[Any]:
+    """The values that a text lists or spans; ValueError with what is allowed."""
+    numbers = r"\s*[-+.\deE]+\s*"
+    if (text.count(":") == 2 and "," not in text) or re.fullmatch(rf"{numbers}(:{numbers})+:?", text):
+        return _spanned(text)
+    try:
+        values: list[Any] = read_yaml(f"[{text}]")
+    except yaml.YAMLError:
+        raise ValueError("x,y,z or [x,y],[z]") from None
+    if not values:
+        raise ValueError("one value or more")
+    return values
+
+
+def _spanned(text: str) -> list[Any]:
+    try:
+        first, last, count = text.split(":")
+        start, end, number = float(first), float(last), int(count)
+    except ValueError:
+        raise ValueError("FIRST:LAST:COUNT of numbers, such as 0:10:11 for 11 of them") from None
+    if not (math.isfinite(start) and math.isfinite(end)):
+        raise ValueError("FIRST:LAST:COUNT of finite numbers")
+    if not (1 if start == end else 2) <= number <= MOST:
+        raise ValueError(f"a COUNT from 2 to {MOST} in FIRST:LAST:COUNT")
+    values = np.linspace(start, end, number).tolist()
+    is_whole = all(value.is_integer() for value in values)  # which parameters are that count
+    return [int(value) for value in values] if is_whole else values
+
+
+def cases(given: argparse.Namespace) -> Sequence[Case]:
+    """Every value with every other, the last one named changing first."""
+    varied = variations(given)
+    run = run_of_command(given)
+    has_methods = not any(name.endswith(".method") for name in varied)
+    metrics = further_metrics(run, listed(given.metrics), has_methods)
+    found = []
+    for values in itertools.product(*varied.values()):
+        named = dict(zip(varied, values, strict=True))
+        places = [("*", SEED, value) if name == SEED else (*name.split(".", 1), value) for name, value in named.items()]
+        name = ", ".join(f"{name}={_shown_value(value)}" for name, value in named.items())
+        found.append(Case(name, given.scenario, tuple(places), run.name, metrics=metrics))
+    return found
+
+
+def _shown_value(value: Any) -> str:
+    """A value with all digits that distinguish it from others."""
+    return str(value).removesuffix(".0") if isinstance(value, float) else str(value)
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """Every metric of the scenario's report, of its file and of the command line, with units and what is lacking."""
+    return row_of(measured_metrics(recording, run))
+
+
+def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:
+    """By name the unit of the metrics that are shown: those that are asked for, else all that some run has."""
+    units: dict[str, str] = {}
+    for result in results.values():
+        units |= result.measured.get("units", {})
+    chosen = [text if text in units else named_metric(text).name for text in listed(given.metrics)]
+    known = {name for result in results.values() for name in _values_of(result)}
+    return {name: units.get(name, "") for name in chosen or units if chosen or name in known}
+
+
+def _values_of(result: CaseResult) -> Mapping[str, float]:
+    """By name the metrics of a run that have a value; none of one that was refused."""
+    return result.measured.get("metrics", {})
+
+
+def table(given: argparse.Namespace, results: Results) -> tuple[list[str], list[list[Any]]]:
+    """Columns and rows: the values and the metrics of each run, None for what could not be measured."""
+    varied, shown = variations(given), _shown(given, results)
+    columns = [*varied, *(f"{name} [{unit}]" for name, unit in shown.items())]
+    combined = zip(itertools.product(*varied.values()), results.values(), strict=True)
+    return columns, [[*values, *(_values_of(result).get(name) for name in shown)] for values, result in combined]
+
+
+def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
+    """The least and the largest of each metric over all runs."""
+    found = {}
+    for name, unit in _shown(given, results).items():
+        values = [of[name] for of in map(_values_of, results.values()) if name in of]
+        if values:
+            found |= {f"{name}_least": Metric(min(values), unit), f"{name}_largest": Metric(max(values), unit)}
+    return found
+
+
+def better(given: argparse.Namespace, results: Results) -> dict[str, str]:
+    """Of the metrics of which more or less is better."""
+    return better_by_column(_shown(given, results), results)
+
+
+def tables(given: argparse.Namespace, results: Results) -> str:
+    """The rows as aligned text, and a line for each metric that no run has, or if there is none at all."""
+    columns, rows = table(given, results)
+    given_ones = len(variations(given))
+    texts = [[*map(_shown_value, row[:given_ones]), *map(cell, row[given_ones:])] for row in rows]
+    hint = "" if columns[given_ones:] else f"\nno metric was measured: scripts/run.sh {given.scenario} says why"
+    lacking = not_measured(list(_shown(given, results)), results)
+    shown = tables_by_width(columns, texts, given_ones, left=())
+    return "\n".join(filter(None, (shown, lacking, hint, _alike(results))))
+
+
+def _alike(results: Results) -> str:
+    """A note where runs have the same signals, as where a value is rounded inside; empty if all differ."""
+    hashes = [result.signal_hash for result in results.values() if result.signal_hash]
+    if len(set(hashes)) == len(hashes):
+        return ""
+    return (
+        f"note: {len(set(hashes))} different runs among {len(hashes)}: the others have the signals of one of these, "
+        "since a value is rounded (docs/parameters.md), or acts on nothing here"
+    )
+
+
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
+    """Over one varied number lines with bands of the seeds, over two maps of the means; nothing over more or texts."""
+    varied = variations(given)
+    seeds = len(varied.pop(SEED, [0]))
+    axes = {name: np.array(values, float) for name, values in varied.items() if _are_numbers(values)}
+    lengths = [len(values) for values in axes.values()]
+    if len(axes) != len(varied) or len(axes) not in (1, 2) or min(lengths) < 2:
+        return {}
+    panels = []
+    for name, unit in _shown(given, results).items():
+        found = [_values_of(result).get(name) for result in results.values()]
+        values = np.array([math.nan if value is None else value for value in found]).reshape(*lengths, seeds)
+        shown, factor = IN_FIGURES.get(unit, (unit, 1.0))
+        title, (*y, x) = readable(name), axes.items()
+        panels.append(
+            colour_map(title, x, y[0], shown, factor * mean_of_seeds(values))
+            if y
+            else band(title, x, f"{title} [{shown}]", factor * values)
+        )
+    return {"sweep": Sheet(panels)}
+
+
+def _are_numbers(values: Sequence[Any]) -> bool:
+    return all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values)

@@ -1,0 +1,266 @@
+"""What has to be driven for a verdict, each run once, and what a verdict gets of it."""
+
+from __future__ import annotations
+
+import argparse
+import fcntl
+import json
+import os
+import shlex
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any, NoReturn
+from zipfile import is_zipfile
+
+from ev_core.compiling.machine_code import age
+from ev_core.compiling.user_cache import cache_folder, read_checked, write_checked
+from ev_core.lockstep.configuration import Configuration
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.refusal import ParameterError, quoted
+from ev_sim.command_line.options import add_changes, overrides
+from ev_sim.measures.metric import Parameters, Runs
+from ev_sim.recording.outcome import RunFailed
+from ev_sim.recording.recording import Recording, load, save
+from ev_sim.running.folder_content import locked
+from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_study.studies.digests import NEVER_DRIVES, digest_of_sources
+from ev_study.studies.kept_rows import as_json, case_key, decoded, result_of
+from ev_study.studies.run_study import arguments, study_cases
+from ev_study.studies.study import Case, CaseResult, Measure, Results, study_named, study_names
+
+Value = tuple[str, str, Any]  # node, parameter, value
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioNeed:
+    """Runs of a scenario: all of them, or those named, with some parameters (node, name, value) changed.
+
+    `slow` marks what takes more than a few seconds.
+    """
+
+    scenario: str
+    values: tuple[Value, ...] = ()
+    runs: tuple[str, ...] = ()
+    duration: float | None = None
+    slow: bool = False
+
+    @property
+    def command(self) -> str:
+        """What drives the same from the command line."""
+        changed = [f"--set {node}.{name}={_word(value)}" for node, name, value in self.values]
+        duration = [f"--duration {self.duration:g}"] if self.duration else []
+        return " ".join([self.scenario, *changed, *duration])
+
+
+def _word(value: Any) -> str:
+    """A value as the command line takes it."""
+    if isinstance(value, tuple):
+        return f"[{','.join(map(_word, value))}]"
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+@dataclass(frozen=True, slots=True)
+class StudyNeed:
+    """All cases of a study with some options of its command line; `slow` as above."""
+
+    study: str
+    options: tuple[str, ...] = ()
+    slow: bool = True
+
+    @property
+    def command(self) -> str:
+        """What drives the same from the command line."""
+        return " ".join([self.study, *self.options])
+
+
+Need = ScenarioNeed | StudyNeed
+
+
+def need_of(text: str) -> Need:
+    """The need that a text means, which is as on the command line: a scenario, or a study with its options.
+
+    A scenario may have --set, --duration, --runs (those that are driven, all if it is left out) and --slow; a study
+    counts as slow unless there is --quick. ParameterError if the text is refused.
+    """
+    name, *words = shlex.split(text) or [""]
+    if name in study_names():
+        return StudyNeed(name, tuple(word for word in words if word != "--quick"), slow="--quick" not in words)
+    parser = _Parser(add_help=False)
+    add_changes(parser)
+    parser.add_argument("--runs", nargs="+", default=())
+    parser.add_argument("--slow", action="store_true")
+    given, unknown = parser.parse_known_args(words)
+    if not name or unknown:
+        refused = quoted(" ".join(unknown) or text)
+        raise ParameterError(
+            f"what is driven: {refused} is refused, expected a scenario with --set, --duration, --runs"
+        )
+    found = overrides(given)
+    values = tuple((node, name, _frozen(value)) for node, name, value in found.values)
+    return ScenarioNeed(name, values, tuple(given.runs), found.duration, given.slow)
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise ParameterError(f"what is driven: {message}")
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value
+
+
+@dataclass(frozen=True)
+class ScenarioRuns:
+    """The runs of a scenario by name, their car, and the parameters of the first one."""
+
+    runs: Runs
+    vehicle: Vehicle
+    parameters: Parameters
+
+
+@dataclass(frozen=True)
+class StudyCases:
+    """What a study has measured, and the options that it was given."""
+
+    results: Results
+    given: argparse.Namespace
+
+
+Driven = ScenarioRuns | StudyCases
+
+
+_ONLY_JUDGES = (*NEVER_DRIVES, "ev_study/verdicts", "ev_sim/figures")
+_DIGEST = "[0-9a-f]" * 24
+_FOLDERS = 3  # those of other checkouts and branches come back
+
+
+class Kept:
+    """A folder with what was driven: recordings of scenarios, and what studies have measured.
+
+    Files stand under a digest of all sources, configuration files and versions of packages they depend on. What was
+    kept of other sources is removed, but for that which was asked for last, and that which another command uses: it is
+    locked as long as that and its workers live.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder / f"driven_{digest_of_sources(_ONLY_JUDGES, config=True, others=True)}"
+        self._in_use = ExitStack()
+        folder.mkdir(parents=True, exist_ok=True)
+        with locked(folder, fcntl.LOCK_EX):  # so that nobody removes what is made here before it is locked
+            self._folder.mkdir(exist_ok=True)
+            os.utime(self._folder)
+            self._in_use.enter_context(locked(self._folder, fcntl.LOCK_SH))
+            for other in sorted(folder.glob(f"*_{_DIGEST}"), key=age)[_FOLDERS:]:
+                with suppress(OSError), locked(other, fcntl.LOCK_EX | fcntl.LOCK_NB):
+                    for file in (*other.glob("*.npz"), *other.glob("*.json")):
+                        file.unlink()
+                    other.rmdir()  # what we have not written stays
+
+    def of(self, study: str, case: Case) -> Path:
+        """Where what a study has measured on a case is or has to be written; the signals of a case without a study."""
+        return self._folder / (f"{study}_{case_key(case)}.json" if study else f"{case_key(case)}.npz")
+
+
+def kept_by_user() -> Kept:
+    """What stands in the cache folder of the user, for all checkouts."""
+    return Kept(cache_folder() / "verdicts")
+
+
+def _keep_signals(path: Path, recording: Recording, run: Run) -> Mapping[str, Any]:
+    """What a worker does with the signals of a run of a scenario: it writes them where they are looked for."""
+    with suppress(FileExistsError):  # another command has driven the same meanwhile
+        save(recording, path)
+    return {}
+
+
+def keep_measured(path: Path, measure: Measure, recording: Recording, run: Run) -> Mapping[str, Any]:
+    """What a worker does with the case of a study: it measures and writes, so that what is done outlives a stop."""
+    measured = measure(recording, run)
+    _keep(CaseResult("", measured), path)
+    return measured
+
+
+def _keep(result: CaseResult, path: Path) -> None:
+    write_checked(path, json.dumps(as_json(result)).encode())
+
+
+def _measured_at(path: Path, name: str) -> CaseResult | None:
+    """What a study has measured on a case, which is called by this name; None if it has not yet."""
+    kept = read_checked(path)
+    return None if kept is None else result_of(json.loads(kept, object_hook=decoded), name)
+
+
+_recording_at = lru_cache(maxsize=6)(load)  # the signals of a whole cycle have 80 MB
+
+Drive = Callable[[Sequence[Case], Sequence[Measure]], Sequence[CaseResult]]
+
+
+def drive(needs: Iterable[Need], kept: Kept, drive_cases: Drive) -> dict[Need, Driven]:
+    """What was driven for each need; what `kept` already has is not driven again.
+
+    `drive_cases` drives cases, each with its own function that measures, and returns the results in their order.
+    ParameterError if a scenario or study is refused, RunFailed if a run of a scenario cannot be driven.
+    """
+    wanted = {need: _resolved(need) for need in dict.fromkeys(needs)}
+    jobs: dict[Path, tuple[Case, Measure]] = {}
+    for need, (cases, _) in wanted.items():
+        study = need.study if isinstance(need, StudyNeed) else ""
+        for case in cases:
+            path = kept.of(study, case)
+            if study and _measured_at(path, case.name) is None:
+                jobs[path] = case, partial(keep_measured, path, study_named(study).measure)
+            elif not (study or is_zipfile(path)):  # nor is it where a crash has cut it off
+                path.unlink(missing_ok=True)
+                jobs[path] = case, partial(_keep_signals, path)
+    results = drive_cases(*zip(*jobs.values(), strict=True)) if jobs else []
+    for path, result in zip(jobs, results, strict=True):
+        if result.refused and path.suffix == ".npz":
+            raise RunFailed(f"{result.name}: {result.refused}")
+        if result.refused:
+            _keep(result, path)
+    return {need: _driven(need, kept, *resolved) for need, resolved in wanted.items()}
+
+
+def cases_of(need: Need) -> list[Case]:
+    """What has to be driven for a need."""
+    return _resolved(need)[0]
+
+
+def _resolved(need: Need) -> tuple[list[Case], Mapping[str, Configuration]]:
+    """The cases of a need, and the configurations of the first run of a scenario."""
+    if isinstance(need, StudyNeed):
+        return study_cases(study_named(need.study), arguments(need.study, need.options)), {}
+    runs = load_scenario(need.scenario, Overrides(values=need.values, duration=need.duration), only=need.runs).runs
+    cases = [
+        Case(f"{need.command} {run.name}", need.scenario, need.values, run.name, duration=need.duration) for run in runs
+    ]
+    return cases, runs[0].configurations
+
+
+def _driven(need: Need, kept: Kept, cases: Sequence[Case], first: Mapping[str, Configuration]) -> Driven:
+    if isinstance(need, StudyNeed):
+        results = {case.name: _measured_at(kept.of(need.study, case), case.name) for case in cases}
+        return StudyCases(results, arguments(need.study, need.options))
+    parameters = {role: configuration.values() for role, configuration in first.items()}
+    recordings = _Recordings({case.run: kept.of("", case) for case in cases})
+    return ScenarioRuns(recordings, first[MASTER].common.vehicle, parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class _Recordings(Mapping[str, Recording]):
+    """Recordings by name of the run, read when they are asked for."""
+
+    paths: Mapping[str, Path]
+
+    def __getitem__(self, name: str) -> Recording:
+        return _recording_at(self.paths[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.paths)
+
+    def __len__(self) -> int:
+        return len(self.paths)
