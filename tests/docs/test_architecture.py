@@ -1,7 +1,8 @@
-"""Imports go one way, as .importlinter declares; the drawing has no arrow upward; rooms and files keep their size."""
+"""Imports go one way, as .importlinter declares; the page names what is there; rooms and files keep their size."""
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from collections import defaultdict
@@ -15,7 +16,6 @@ import pytest
 from documentation.architecture import DECLARATION, arrows, layers
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ["", *(name for layer in layers() for name in layer)]
 
 
 def lint_imports(config: Path) -> subprocess.CompletedProcess[str]:
@@ -41,11 +41,31 @@ def test_an_import_against_the_layers_is_found(tmp_path: Path):
     assert "ev_core is not allowed to import ev_msgs_py" in found.stdout
 
 
-@pytest.mark.parametrize("package", PACKAGES, ids=lambda name: name or "packages")
-def test_no_arrow_of_the_drawing_leads_upward_or_sideways(package: str):
-    prefix = f"{package}." if package else ""
-    height = {f"{prefix}{name}": -depth for depth, layer in enumerate(layers(package)) for name in layer}
-    assert all(height[importer] > height[imported] for importer, imported in arrows(package))
+def test_no_package_of_the_page_imports_upward_or_sideways():
+    height = {name: -depth for depth, layer in enumerate(layers()) for name in layer}
+    assert all(height[importer] > height[imported] for importer, imported in arrows())
+
+
+PAGE = (ROOT / "docs" / "architecture.md").read_text()
+HAND_WRITTEN = PAGE.partition("## Packages")[0]
+
+
+def test_every_path_and_name_of_the_page_is_there():
+    """What is added by its tables is looked for where they name it."""
+    paths = re.findall(r"`((?:src|tests|tools)/[\w./]+)`", HAND_WRITTEN)
+    assert len(paths) > 30
+    assert [path for path in paths if not (ROOT / path.replace("NAME.py", "off.py")).exists()] == []
+    named = re.findall(r"`(\w+)` in `([\w./]+\.py)`", HAND_WRITTEN)
+    assert len(named) > 8
+    for name, path in named:
+        assert re.search(rf"^(?:def |class )?{name}\b", (ROOT / path).read_text(), re.MULTILINE), (name, path)
+
+
+def test_the_step_is_ten_sentences_and_a_drawing_of_ten_boxes():
+    step = HAND_WRITTEN.partition("## How one step flows")[2].partition("\n## ")[0]
+    boxes = re.findall(r'\["(\d+) ', step)
+    sentences = re.findall(r"^(\d+)\. ", step, re.MULTILINE)
+    assert boxes == sentences == [str(n) for n in range(1, 11)]
 
 
 def test_no_circle_leads_through_a_room_and_the_folder_that_holds_it():

@@ -47,6 +47,12 @@ def test_no_link_of_a_page_has_the_name_of_a_file_as_its_text(pages: Path):
     assert [name for name, text in texts.items() if re.search(r"\[[\w/.]+\.md\]\(\w+\.md", text)] == []
 
 
+def test_no_link_leads_out_of_the_pages(pages: Path):
+    """A file of the repository that is no page is named there, without a link that the site could not follow."""
+    assert [page.name for page in pages.glob("*.md") if "](../" in page.read_text()] == []
+    assert "`config/benchmarks/small.yaml`" in (pages / "benchmark.md").read_text()
+
+
 def test_everything_that_the_reference_names_is_there(pages: Path):
     names = re.findall(r"^::: (\S+)$", (pages / "reference.md").read_text(), re.MULTILINE)
     assert {"ev_sim", "ev_core.methods.register.method", "ev_control.shared.torque_split.split"} < {*names}

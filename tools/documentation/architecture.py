@@ -1,4 +1,4 @@
-"""The map of the house: its packages and rooms by the layers of .importlinter, and a drawing of who imports whom."""
+"""The map of the house: its packages and rooms by the layers of .importlinter."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import grimp
-import house
 from importlinter.api import read_configuration
 
-from documentation.markdown import code, table
+from documentation.markdown import code, codes, table
 
 DECLARATION = Path(__file__).parents[2] / ".importlinter"
 _PACKAGES = "packages"  # id of the contract that puts these into layers
@@ -20,12 +19,14 @@ Layers = tuple[tuple[str, ...], ...]  # the upper ones first; names without the 
 
 
 def package_table() -> str:
-    """Every package with what it holds and its size."""
-    lines = house.lines_of(house.modules())
+    """Every package with what it holds and what it imports, the uppermost first."""
+    imported: dict[str, list[str]] = {}
+    for importer, below in arrows():
+        imported.setdefault(importer, []).append(below)
     names = [name for layer in layers() for name in layer]
     return table(
-        ("package", "what it holds", "lines"),
-        ((code(name), about(name), f"{lines[name] / 1000:.0f} 000") for name in names),
+        ("package", "what it holds", "imports"),
+        ((code(name), about(name), codes(imported.get(name, ())) or "-") for name in names),
     )
 
 
@@ -43,28 +44,6 @@ def room_tables() -> str:
             rows = [*below, *rows]
         texts.append(f"### {package}\n\n{table(('layer', 'room', 'what it is for'), rows)}")
     return "\n".join(texts)
-
-
-def declaration() -> str:
-    """The contracts of .importlinter as they stand there."""
-    return f"```ini\n{DECLARATION.read_text(encoding='utf-8').strip()}\n```"
-
-
-def drawing() -> str:
-    """Packages and rooms as a Mermaid flowchart."""
-    names = [name for layer in layers() for name in layer]
-    lines = ["```mermaid", "flowchart TB"]
-    for package in names:
-        lines += [f"    subgraph {package}", "        direction TB"]
-        lines += [f'        {_node(f"{package}.{name}")}["{name}"]' for layer in layers(package) for name in layer]
-        lines.append("    end")
-    for importer, imported in (*arrows(), *(each for package in names for each in arrows(package))):
-        lines.append(f"    {_node(importer)} --> {_node(imported)}")
-    return "\n".join([*lines, "```"])
-
-
-def _node(module: str) -> str:
-    return module.replace(".", "_")
 
 
 def layers(package: str = "") -> Layers:
@@ -97,26 +76,25 @@ def about(module: str) -> str:
     return (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
 
 
-def arrows(package: str = "") -> list[tuple[str, str]]:
-    """Who imports whom among the rooms of a package, or among the packages; what follows from others is left out."""
+def arrows() -> list[tuple[str, str]]:
+    """Which package imports which; what follows from two others is left out."""
     packages = [name for layer in layers() for name in layer]
     graph = grimp.build_graph(*packages, cache_dir=None)
-    rooms = [f"{package}.{name}" if package else name for layer in layers(package) for name in layer]
-    for room in rooms:
-        graph.squash_module(room)
-    imports = {room: sorted(graph.find_modules_directly_imported_by(room) & {*rooms} - {room}) for room in rooms}
+    for package in packages:
+        graph.squash_module(package)
+    imports = {name: sorted(graph.find_modules_directly_imported_by(name) & {*packages} - {name}) for name in packages}
     return [
-        (room, each)
-        for room in rooms
-        for each in imports[room]
-        if not any(each in _reached(other, imports) for other in imports[room])
+        (package, each)
+        for package in packages
+        for each in imports[package]
+        if not any(each in _reached(other, imports) for other in imports[package])
     ]
 
 
-def _reached(room: str, imports: Mapping[str, list[str]]) -> set[str]:
-    """What a room imports, and what that imports, and so on."""
+def _reached(package: str, imports: Mapping[str, list[str]]) -> set[str]:
+    """What a package imports, and what that imports, and so on."""
     found: set[str] = set()
-    waiting = list(imports[room])
+    waiting = list(imports[package])
     while waiting:
         name = waiting.pop()
         if name not in found:

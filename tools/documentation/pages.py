@@ -50,9 +50,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "can gateway": parameter_reference.gateway_parameters,
     "can inverter": parameter_reference.inverter_parameters,
     "packages": architecture.package_table,
-    "drawing": architecture.drawing,
     "rooms": architecture.room_tables,
-    "layers": architecture.declaration,
     "comparisons": comparisons.comparison_table,
     **full_board_tables.PARTS,
 }
@@ -65,7 +63,7 @@ PAGES = {
     "docs/metrics.md": ("metrics of any run", "functions", "metrics of reports"),
     "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),
     "docs/measured.md": ("comparisons",),
-    "docs/architecture.md": ("packages", "drawing", "rooms", "layers"),
+    "docs/architecture.md": ("packages", "rooms"),
     HASHES: (RESULTS,),
     SHCHUR: (RESULTS, CONTROL_PERIODS),
     verdict_tables.PAGE: verdict_tables.PARTS,  # made from runs, too

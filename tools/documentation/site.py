@@ -16,6 +16,7 @@ PLACES = {
     "](docs/": "](",
     "](LICENSE": "](LICENSE.txt",
 }
+OUTSIDE = re.compile(r"\[([^\]\n]+)\]\(\.\./[^)\n]+\)")  # a file of the repository that no page shows
 CODE = re.compile(r"(^```.*?^```$|`[^`\n]+`)", re.MULTILINE | re.DOTALL)
 NAMED = re.compile(r"\[[\w/]*?\w+\.md\]\((\w+\.md)(#[\w-]*)?\)|(?<![\w/])docs/(\w+\.md)\b")
 
@@ -44,6 +45,7 @@ def gather(root: Path, to: Path) -> None:
     for name, text in pages.items():
         for link, there in PLACES.items():
             text = text.replace(link, there)
+        text = OUTSIDE.sub(r"`\1`", text)
         (to / name).write_text(titled(text, titles), encoding="utf-8")
     (to / "reference.md").write_text("".join(reference(root)), encoding="utf-8")
 
