@@ -10,6 +10,7 @@ from can_bus.databases import ours
 from ev_control.inverter_gateway.gateway import GatewayParameters
 from ev_control.inverter_gateway.panel import FAULTY, GOOD, SILENT, WARNED, diagnosis
 from ev_control.inverter_gateway.station import GatewayStation
+from ev_core.lockstep.configuration import configure
 from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import (
     ENABLE_COMMAND,
@@ -242,3 +243,13 @@ def test_commands_that_are_no_numbers_are_refused():
 def test_one_wheel_cannot_have_both_circuits():
     with pytest.raises(ParameterError, match="'front_left' is refused, it is the wheel of the other circuit"):
         build(GatewayParameters, {"wheel_11": "front_left"})
+
+
+def test_in_a_graph_the_right_circuit_has_a_right_wheel():
+    """The bench has its circuits so: with the wheels exchanged each side would get the torque of the other one."""
+    values = {"control_period": 0.005, "vehicle.gear_ratio": 7.4}
+    configure("inverter_gateway", values)
+    with pytest.raises(
+        ParameterError, match="needs wheel_11 on the right and wheel_12 on the left, not front_left and f"
+    ):
+        configure("inverter_gateway", {**values, "wheel_11": "front_left", "wheel_12": "front_right"})

@@ -47,15 +47,15 @@ BATTERY = BatteryCondition(650.0, 0.0, 60.0, 60.0, 1.0)
 class Ends:
     """Gateway and bench, whose frames go from one to the other cycle by cycle, and the signals of each instant."""
 
-    def __init__(self) -> None:
-        (run,) = load_scenario("urban_mixed_bench", Overrides(values=VALUES)).runs
+    def __init__(self, waits: int = 7, values: tuple[tuple[str, str, Any], ...] = VALUES) -> None:
+        (run,) = load_scenario("urban_mixed_bench", Overrides(values=values)).runs
         self.configurations = run.configurations
         self.meters = meters_of("can/ev_bench.dbc")
         self.bench = BenchOnBus(run.configurations["test_bench"], self.meters)
         self.stamp = 0
         self.gateway = GatewayOnBus(run.configurations["inverter_gateway"], lambda: self.stamp)
         self.said: list[dict[str, Any]] = []
-        for _ in range(7):  # some time goes by before the graph is there
+        for _ in range(waits):  # some time goes by before the graph is there
             self.cycle()
 
     def cycle(self, ticks: int = 1) -> None:
@@ -121,6 +121,25 @@ def test_the_signals_are_the_frames_of_the_cycles_before(driven):
     assert heard["Torque"] == pytest.approx(20.0, abs=0.1)
     assert 0.4 < instant["states"].load_11 < 0.606  # 60.6 % if each frame were as long as it can be
     assert instant["states"].lost_11 == 0.0
+
+
+BUTTON = 0.25  # s, later than the fault and before the reset
+
+
+@pytest.mark.parametrize("waits", [7, 600])
+def test_buttons_and_faults_count_from_the_first_instant(waits):
+    """However long the nodes are on the bus before: nothing is pressed, and nothing is wrong, until their times."""
+    ends = Ends(waits, (*VALUES, ("inverter_gateway", "auto_enable", False), ("inverter_gateway", "enable_at", BUTTON)))
+    gateway = ends.gateway.station.s
+    assert (gateway.waits, gateway.drive_11.reset_time) == (0.0, -1.0)
+    ends.instants(TRIP)
+    assert ends.gateway.reports() == ()
+    assert (gateway.drive_11.enable, gateway.drive_12.enable) == (0.0, 0.0)
+    ends.instants(BUTTON - TRIP)
+    assert "right drive: Trip" in ends.gateway.reports()
+    assert gateway.drive_12.enable == 0.0
+    ends.instants(0.01)
+    assert (gateway.waits, gateway.drive_12.enable) != (0.0, 0.0)
 
 
 def test_who_goes_on_with_the_state_of_another_does_not_begin_anew():

@@ -80,6 +80,31 @@ def test_breakaway_is_at_the_dry_friction(direction, friction):
         assert direction * angle <= 2 * (torque - friction) / K
 
 
+@given(
+    b=st.floats(0.0, 100.0),
+    k=st.floats(0.1, 1000.0),
+    friction=st.floats(0.001, 10.0),
+    angle=st.floats(-0.5, 0.5),
+    direction=st.sampled_from([-1.0, 1.0]),
+    more=st.integers(0, 3),
+)
+@settings(max_examples=500)
+def test_a_torque_that_is_more_than_the_friction_by_rounding_alone_comes_to_an_end(
+    b, k, friction, angle, direction, more
+):
+    """The equilibrium may be where the motion begins, or a rounding behind it: that is rest, and no phase without end.
+
+    The angle then stays, to 8 roundings of the numbers of which it is the difference.
+    """
+    torque = k * angle + direction * friction
+    for _ in range(more):
+        torque = math.nextafter(torque, direction * math.inf)
+    next_angle, next_rate = oscillated(oscillator(J, b, k, friction, FAR, 0.01), angle, 0.0, torque)
+    rounding = 8 * math.ulp(max(abs(torque), friction, k * abs(angle))) / k
+    assert next_angle == pytest.approx(angle, abs=rounding + 8 * math.ulp(angle))
+    assert abs(next_rate) <= 1e-9
+
+
 def test_motion_keeps_dry_friction_against_it():
     """A steady pull from rest settles short by M_c/k: overdamped, so it never turns back; 10 time constants of 0.12 s.
 

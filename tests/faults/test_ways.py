@@ -80,6 +80,23 @@ def test_a_network_that_loses_messages_changes_nothing():
     }
 
 
+def test_a_recorded_driver_has_faults_too(tmp_path):
+    """Offline and as nodes, where each fault is put in behind what was recorded."""
+    file = tmp_path / "driver.npz"
+    np.savez(file, time=driven().time, **driven().channels)
+    values = [("*", "seed", 3), ("driver", "method", str(file)), ("driver", "faults", ["scaled driver/command 0.5"])]
+    chosen = load_scenario("double_lane_change", Overrides(values=values, duration=1.0)).runs[0]
+    network = FakeNetwork(dict(chosen.configurations), 100, seed=1)
+    network.begin()
+    network.run()
+    offline = run_offline(dict(chosen.configurations), 1.0).channels
+    assert network.signals() == {
+        name: [float.hex(number) for number in column.tolist()] for name, column in offline.items()
+    }
+    torque = "driver.command.drive_torque"
+    assert (offline[torque] == driven().channels[torque] * 0.5).all() and offline[torque].any()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("way", ["one process", pytest.param("processes", marks=pytest.mark.weekly)])
 def test_over_dds_the_same_hash(way, tmp_path):

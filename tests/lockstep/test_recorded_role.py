@@ -62,6 +62,8 @@ WRONG = {
     "short time": ("time", lambda times: times[:-3], "has 51 numbers, time has 48, expected as many"),
     "time is no number": ("time", with_last(np.nan), "time 50 is nan, expected a finite number"),
     "time without end": ("time", with_last(np.inf), "time 50 is inf, expected a finite number"),
+    "number is none": (TORQUE, with_last(np.nan), rf"{TORQUE} 50 is nan, expected a finite number"),
+    "number without end": (BRAKE, with_last(np.inf), rf"{BRAKE} 50 is inf, expected a finite number"),
     "out of order": ("time", shuffled, r"time 10 is 0\.19 s, expected 0\.1 s: the instants follow each other by"),
     "negative brake": (BRAKE, with_last(-2.0), rf"{BRAKE} 50 is -2\.0, expected 0 or more"),
     "late end": ("time", with_last(0.6), r"51 instants up to 0\.6 s are none of a control_period of 0\.01 s"),

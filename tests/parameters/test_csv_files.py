@@ -79,6 +79,7 @@ def test_without_a_config_folder_the_way_out_is_named(tmp_path, monkeypatch):
         (HEADER + "10,1,0.9\n20,1,1.1\n10,2,1\n20,2,1\n", r"map_efficiency: .*1.1.* is refused, expected 0.01 to 1"),
         (HEADER + "10,1,0.9\n20,1,0.9\n", "map_torque needs at least two elements and must rise"),
         (HEADER + "10,1,0.9\n20,one,0.9\n", "line 3: torque_nm is no finite number"),
+        (HEADER + "10,1,1\n20,1,0,95\n", "line 3: 4 columns, expected at most 3, as in the header, and a point in dec"),
     ],
 )
 def test_bad_maps_are_refused_in_one_line(tmp_path, text, message):

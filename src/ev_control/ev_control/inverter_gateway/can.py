@@ -133,9 +133,11 @@ def at_start(p: LockstepGatewayParameters) -> LockstepGateway:
 
 
 def circuits_fit(parameters: LockstepGatewayParameters, vehicle: Vehicle) -> str:
-    """The circuits are those of the driven wheels, behind the car's gear."""
+    """The circuits are those of the driven wheels, each on its side, behind the car's gear."""
     if {parameters.wheel_11, parameters.wheel_12} != set(vehicle.driven_wheels):
         return f"{listed((parameters.wheel_11, parameters.wheel_12))} as the only driven wheels"
+    if "left" in parameters.wheel_11 or "right" in parameters.wheel_12:
+        return f"wheel_11 on the right and wheel_12 on the left, not {parameters.wheel_11} and {parameters.wheel_12}"
     if parameters.gear_ratio != vehicle.gear_ratio:
         return f"a gear_ratio of {parameters.gear_ratio:g}, as its own, and not {vehicle.gear_ratio:g}"
     return ""

@@ -142,7 +142,7 @@ class GatewayOnBus(LawObject):
         """Press the buttons that are due, lead the inverters on; what is to be sent."""
         c, g = self.given["c"], self.station.s
         now = g.tick
-        for tick in range(ticks):
+        for tick in range(ticks if self._has_begun else 0):
             g.tick = now + tick
             can.press_buttons(c.enable_tick, c.reset_tick, g)
         g.tick = now

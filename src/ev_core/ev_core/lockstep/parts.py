@@ -86,6 +86,10 @@ class Sensed(CalledBack):
     def _show(self, there: Frame) -> None:
         for row in self.rows:
             row.step(there.numbers)
+        self.refuse_not_finite(there)
+
+    def refuse_not_finite(self, there: Frame) -> None:
+        """SignalError if a number that it shows is not finite."""
         self.part.refuse_not_finite(there)
 
     def notes(self) -> tuple[str, ...]:

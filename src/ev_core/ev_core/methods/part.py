@@ -45,6 +45,9 @@ class Part(Protocol):
     def step(self, here: Frame, there: Frame) -> None:
         """Answer in the frame `there` to the signals in `here`, or integrate to it; SignalError as above."""
 
+    def refuse_not_finite(self, there: Frame) -> None:
+        """SignalError if a number that it wrote, or that a sensor or fault has put there, is not finite."""
+
     def notes(self) -> tuple[str, ...]:
         """All that is worth knowing about the run so far, besides the signals."""
 

@@ -81,18 +81,14 @@ class RecordedRole:
         """The recorded instants [ns]; ParameterError if there are none, or if one is no number."""
         if not len(times):
             raise ParameterError(f"{self.role} method {self.name}: the file has no instants, expected one or more")
-        if not np.isfinite(times).all():
-            at = int(np.argmin(np.isfinite(times)))
-            raise ParameterError(
-                f"{self.role} method {self.name}: {TIME} {at} is {times[at]}, expected a finite number"
-            )
+        self._refuse_not_finite(TIME, times)
         found: np.ndarray = np.rint(times.astype(float) * stamps.NANOSECONDS).astype(np.int64)
         return found
 
     def _rows(self, arrays: dict[str, np.ndarray], signal: type) -> np.ndarray:
         """The recorded numbers of a signal, (instants, numbers); ParameterError if a channel has more or fewer.
 
-        So it is if a command is negative, such as a brake torque.
+        So it is if one is not finite, or if a command is negative, such as a brake torque.
         """
         channels = TOPICS[signal].channels
         for channel in channels:
@@ -101,6 +97,7 @@ class RecordedRole:
                     f"{self.role} method {self.name}: {channel} has {len(arrays[channel])} numbers, "
                     f"{TIME} has {self.instants}, expected as many"
                 )
+            self._refuse_not_finite(channel, arrays[channel])
         rows = np.stack([arrays[channel].astype(float) for channel in channels], axis=1)
         for place in shape_of(signal).unsigned_commands:
             column = rows[:, place]
@@ -111,6 +108,13 @@ class RecordedRole:
                 )
             column[column < 0.0] = 0.0
         return rows
+
+    def _refuse_not_finite(self, name: str, values: np.ndarray) -> None:
+        if not np.isfinite(values).all():
+            at = int(np.argmin(np.isfinite(values)))
+            raise ParameterError(
+                f"{self.role} method {self.name}: {name} {at} is {values[at]}, expected a finite number"
+            )
 
     def has(self, signal: type) -> bool:
         """Whether all channels of a signal were recorded."""
@@ -156,6 +160,11 @@ class PlaybackPart(CalledBack):
     def step(self, here: Frame, there: Frame) -> None:
         """Write what was recorded at this instant, or of a role that integrates at the next one."""
         self._write(self._step_of(here) + self._ahead, there)
+
+    def refuse_not_finite(self, there: Frame) -> None:
+        """SignalError if a number that sensors and faults have made of it is not finite."""
+        for signal in self._recorded.writes:
+            shape_of(signal).refuse_not_finite(there.numbers[PLACES[signal]])
 
     def notes(self) -> tuple[str, ...]:
         """A recording notes nothing."""

@@ -95,7 +95,11 @@ def _direction(o: Oscillator, angle: float, rate: float, torque: float) -> float
     if abs(free_torque) <= o.dry_friction:
         return 0.0
     direction = copysign(1.0, free_torque)
-    return 0.0 if direction * angle >= o.stop else direction
+    if direction * angle >= o.stop:
+        return 0.0
+    # Where the torque is as good as the friction, rounding may put the equilibrium where the motion begins, or behind.
+    ahead = (torque - direction * o.dry_friction) / o.free.stiffness - angle
+    return direction if direction * ahead > 0.0 else 0.0
 
 
 @compilable

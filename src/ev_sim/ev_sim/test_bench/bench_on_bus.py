@@ -52,23 +52,28 @@ class BenchStation(ChannelStation):
         }
         self._motions = tuple(deque[int](maxlen=MOST_TICKS) for _ in own)
         self._tick = 0.0
+        self.has_begun = False  # whether ticks count from the first instant, as those of faults do
 
     def receive(self, frame: Frame) -> None:
         """Take a frame of the channel; on the way to the drive a fault may be."""
         if frame.identifier != self._drive or len(frame.data) != self._c.frames.set_point.length:
             super().receive(frame)
             return
-        kind = present(self._p.inject, self._tick, self._number)
+        kind = self._fault(self._tick)
         arrived = on_the_way(self._p.inject, self.line.fault, kind, *words(int.from_bytes(frame.data, "little")))
         if arrived.low != NO_FRAME:
             self.inverters[0].hear(joined(arrived.low, arrived.high))
 
     def advance(self, tick: float) -> tuple[float, float]:
         """Both inverters, their machines and the shaft."""
-        kind = present(self._p.inject, tick, self._number)
+        kind = self._fault(tick)
         put_in(self._p.inject, self.s.machine.injected, kind)
         make_cycle(self._p, self._c, self._number, self.s, tick, kind == BusFault.LOAD_LIMIT)
         return self.s.speed, self.s.load_speed
+
+    def _fault(self, tick: float) -> int:
+        """The kind that is there in a tick; none before the first instant."""
+        return present(self._p.inject, tick, self._number) if self.has_begun else int(BusFault.NONE)
 
     def cycle(self, before: float, ticks: int) -> list[Frame]:
         """Advance by some cycles; what is to be sent, which is kept for `end_period`, too."""
@@ -147,7 +152,8 @@ class BenchOnBus(LawObject):
         for circuit in self._circuits.values():
             circuit.end_period(ticks, self.given["p"].bus.bit_rate)
         if not self._has_begun:
-            self._has_begun, self._tick = True, 0.0
+            self._tick = 0.0
+            self._begin()
         s.periods, self._last_tick = self._tick / c.ticks, self._tick
         self._last_outputs = super().outputs()
         for circuit in self._circuits.values():
@@ -155,8 +161,13 @@ class BenchOnBus(LawObject):
 
     def goes_on(self) -> None:
         """Time has begun."""
-        self._has_begun = True
+        self._begin()
         self._tick = self._last_tick = self.given["s"].periods * self.given["c"].ticks
+
+    def _begin(self) -> None:
+        self._has_begun = True
+        for circuit in self._circuits.values():
+            circuit.has_begun = True
 
     def outputs(self) -> tuple[Any, ...]:
         """As at the last instant."""
