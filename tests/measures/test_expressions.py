@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from ev_sim.measures.registry import DrivenRun
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import load_scenario
 
+CAR = Vehicle(tyre=replace(Vehicle().tyre, coefficients=(0.9, 0.1, 0.0, 0.0)))
 TIME = np.arange(5) * 0.5
 RUN = DrivenRun(
     Recording(
@@ -27,7 +30,7 @@ RUN = DrivenRun(
             "battery.current": np.array([0.0, np.nan, 0.0, 0.0, 0.0]),
         },
     ),
-    Vehicle(),
+    CAR,
 )
 
 
@@ -56,6 +59,14 @@ def measured(expression: str) -> Metric:
         ("maximum(degrees(imu.yaw_rate)) * pi / 180", 2.0),
         ("maximum(clip(imu.yaw_rate, -1, 1))", 1.0),
         ("maximum_speed + final_speed / maximum_speed", 6.0),
+        ("at(pose.x, 0.75)", 4.5),
+        ("at(pose.x + pose.y, first(time[pose.x > 5]))", 14.0),
+        ("mean(pose.x[0.5:1.5])", 4.5),
+        ("last(path_speed[0:1])", 5.0),
+        ("degrees(first(sideslip_angle))", np.degrees(np.arctan2(4.0, 3.0))),
+        ("vehicle.mass / vehicle.wheelbase", CAR.mass / CAR.wheelbase),
+        ("vehicle.motor.maximum_speed * 30 / pi", CAR.motor.maximum_speed * 30.0 / np.pi),
+        ("vehicle.tyre.coefficients[0]", 0.9),
     ],
 )
 def test_an_expression_is_what_it_says(expression, value):
@@ -74,6 +85,9 @@ def test_an_expression_is_what_it_says(expression, value):
         ("9 ** 9 ** 9 ** 9", "the result is inf"),
         ("maximum(battery.current)", "battery.current is not finite at 0.5 s"),
         ("maximum(battery.voltage)", "battery.voltage was not recorded"),
+        ("mean(pose.x[1:3])", "the run lasts from 0 s to 2 s, the window from 1 s to 3 s"),
+        ("at(pose.x, 2.5)", "the run ends at 2 s, before 2.5 s"),
+        ("vehicle.tyre.coefficients[4]", "vehicle.tyre.coefficients of this car has 4 numbers"),
     ],
 )
 def test_what_has_no_value_says_why(expression, why):
@@ -99,7 +113,19 @@ def test_what_has_no_value_says_why(expression, why):
         ("x [1] = mean(imu.yaw_rate, axis=0)", "mean takes values only"),
         ("x [1] = hypot(pose.x)", "hypot takes 2 values, here are 1"),
         ("x [1] = mean(1)", "mean is of a channel, '1' is one number"),
-        ("x [1] = pose.x[0]", "expected CHANNEL[condition]"),
+        ("x [1] = pose.x[0]", "expected CHANNEL[condition], such as [time > 1], or [1:2]"),
+        ("x [1] = mean(pose.x[1:])", "expected [START:END], or [time > START]"),
+        ("x [1] = mean(pose.x[time:2])", "expected CHANNEL[START:END] with two numbers"),
+        ("x [1] = mean(pose.x[1:2][1:2])", "expected CHANNEL[START:END] with two numbers"),
+        ("x [1] = at(pose.x)", "at takes 2 values, here are 1"),
+        ("x [1] = at(3, 2)", "at is at(CHANNEL, TIME)"),
+        ("x [1] = vehicle.mas", "unknown vehicle parameter 'mas'; did you mean mass"),
+        (
+            "x [1] = vehicle.tyre.coefficients",
+            "is a list, expected one of its numbers, such as ",
+        ),
+        ("x [1] = vehicle.mass[0]", "vehicle.mass is refused, expected a number"),
+        ("x [1] = vehicle.name", "vehicle.name is refused, expected a number"),
         ("x [1] = mean(pose.x[time > 1] * pose.y[time > 1])", "expected (A * B)[condition]"),
         ("x [1] = mean(pose.x & pose.y)", "join conditions"),
         ("x [1] = mean(where(pose.x, 1, 0))", "where is where(condition, A, B)"),

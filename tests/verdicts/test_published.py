@@ -11,7 +11,7 @@ import pytest
 
 from ev_msgs_py.refusal import ParameterError
 from ev_study.verdicts import sources as of_sources
-from ev_study.verdicts.check import measures_of
+from ev_study.verdicts.measure import measures_of
 from ev_study.verdicts.need import ScenarioNeed, StudyNeed, need_of
 from ev_study.verdicts.sources import COLUMNS, published, published_value, sources
 
@@ -45,8 +45,7 @@ def test_every_text_is_used_and_every_measure_is_named(source: str):
     texts = short.read_text().splitlines()[2:] if short.is_file() else []
     named = text + "\n".join(texts)
     assert [line.partition(",")[0] for line in texts if f"{{{line.partition(',')[0]}}}" not in named] == []
-    unused = {name for name in of_sources.source_named(source).MEASURES if name not in named}
-    assert unused <= {"step_response", "first_peaks"}
+    assert {name for name in of_sources.source_named(source).MEASURES if name not in named} == set()
 
 
 def test_who_asks_for_one_source_loads_no_other():
@@ -111,8 +110,21 @@ def test_what_is_in_braces_is_a_text_or_a_measure(listed, tmp_path: Path):
 @pytest.mark.parametrize(
     ("changed", "line"),
     [
-        ({"measure": "lenght"}, "unknown measure 'lenght'; did you mean length? known: car, length, parameter, word"),
+        ({"measure": "lenght"}, "unknown measure 'lenght'; did you mean length? known: length, parameter, word"),
         ({"measure": "length 1 2"}, "measure 'length 1 2' is refused"),
+        (
+            {"measure": "vehicle.mas"},
+            "the measure 'vehicle.mas' is refused: 0 are driven, expected",
+        ),
+        ({"measure": "mean(pose.x)", "driven": "five_methods"}, "the measure 'mean(pose.x)' is refused: an"),
+        (
+            {"measure": "vehicle.mas", "driven": "shchur2019"},
+            "the measure 'vehicle.mas' is refused: unknown vehicle parameter 'mas'; did you mean mass",
+        ),
+        (
+            {"measure": "slow: pose.x", "driven": "shchur2019"},
+            "the measure 'slow: pose.x' is refused: it has a value at each sample, expected one number",
+        ),
         ({"measure": ""}, "the measure is missing, expected its name"),
         ({"tolerance": ""}, "the tolerance is missing, expected one with its reason, or 'shown' for the value"),
         ({"tolerance": "about 1"}, "the tolerance 'about 1' is refused, expected such as '1 %'"),

@@ -8,7 +8,8 @@ from collections.abc import Iterable, Sequence
 from documentation.markdown import code, codes, table
 from ev_core.methods.offered import offered
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures.expression import ELEMENTWISE, OVER_TIME, REDUCTIONS
+from ev_sim.measures.derived import SERIES
+from ev_sim.measures.expression import AT, ELEMENTWISE, OVER_TIME, REDUCTIONS
 from ev_sim.measures.metric import Metric
 from ev_sim.measures.own_metrics import named_metrics
 from ev_sim.measures.registry import METRICS
@@ -27,8 +28,19 @@ def metrics_of_any_run() -> str:
 
 def functions_of_expressions() -> str:
     """What an expression may call."""
-    of = {"one number of a channel": REDUCTIONS, "over time": OVER_TIME, "sample by sample": ELEMENTWISE}
+    of = {
+        "one number of a channel": REDUCTIONS,
+        f"the value at an instant, `{AT}(imu.yaw_rate, 3)`": [AT],
+        "over time": OVER_TIME,
+        "sample by sample": ELEMENTWISE,
+    }
     return table(("gives", "functions"), ((what, codes(names)) for what, names in of.items()))
+
+
+def series_of_expressions() -> str:
+    """The series that an expression knows besides the channels."""
+    rows = ((code(name), each.unit, each.formula, codes(each.needs)) for name, each in SERIES.items())
+    return table(("series", "unit", "what it is", "channels"), rows)
 
 
 def metrics_of_reports() -> str:

@@ -12,7 +12,6 @@ import numpy as np
 from ev_core.vehicle.car import GRAVITY
 from ev_core.vehicle.driveline import wheel_inertia
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures.metric import NotMeasured, channel, run_named
 from ev_sim.surfaces import SURFACES, RoadParameters, left_and_right
 from ev_study.verdicts.need import ScenarioRuns
 
@@ -22,48 +21,15 @@ _SEEDS = range(1, 11)
 _CYCLE = 4402.6  # length [m]
 
 
-def top_speed(driven: ScenarioRuns) -> float:
-    """Largest speed of the machine [rpm]."""
-    return driven.vehicle.motor.maximum_speed * 30.0 / math.pi
-
-
-def speed_without_gear(driven: ScenarioRuns, radius: float) -> float:
-    """Speed of the car at that with wheels of a radius [m] and no gear [m/s]."""
-    return driven.vehicle.motor.maximum_speed * radius
-
-
-def mass_per_wheel(driven: ScenarioRuns, radius: float) -> float:
-    """What one driven wheel of a radius [m] can move at the limit of grip, M/(phi g r) [kg]."""
-    return driven.vehicle.motor.peak_torque * _mass(radius)
-
-
-def _mass(radius: float, gear: float = 1.0) -> float:
-    return gear / (_FRICTION * GRAVITY * radius)
-
-
 def mass_of_car(driven: ScenarioRuns, radius: float) -> float:
-    """What four of them can move, each rounded up [kg]."""
-    return 4.0 * math.ceil(mass_per_wheel(driven, radius))
-
-
-def mass_with_gear(driven: ScenarioRuns, radius: float, gear: float) -> float:
-    """What four of them can move with a gear [kg]."""
-    return 4.0 * driven.vehicle.motor.peak_torque * _mass(radius, gear)
+    """Mass that four driven wheels of a radius [m] move at the limit of grip, M/(phi g r) each, rounded up [kg]."""
+    per_wheel = driven.vehicle.motor.peak_torque * (1.0 / (_FRICTION * GRAVITY * radius))
+    return 4.0 * math.ceil(per_wheel)
 
 
 def is_front_driven(driven: ScenarioRuns) -> bool:
     """Whether the front wheels are driven and no others."""
     return driven.vehicle.driven_wheels == WHEEL_NAMES[:2]
-
-
-def load_in_front(driven: ScenarioRuns) -> float:
-    """Share of the mass on the front axle [1]."""
-    return driven.vehicle.centre_of_mass_to_rear_axle / driven.vehicle.wheelbase
-
-
-def cells_in_series(driven: ScenarioRuns) -> float:
-    """How many cells make the voltage of the battery [1]."""
-    return min(driven.vehicle.battery.open_circuit_voltage) / _CELL
 
 
 def rolls_below(driven: ScenarioRuns, threshold: float) -> bool:
@@ -83,16 +49,6 @@ def beyond_the_form(driven: ScenarioRuns) -> float:
             expected = inertia * acceleration / ratio + radius * force
             worst = max(worst, abs(printed - expected) / expected)
     return worst
-
-
-def largest_ratio(driven: ScenarioRuns) -> float:
-    """Largest ratio of the torques that are asked for at the front wheels, slower over faster [1]."""
-    run = run_named(driven.runs, "urban_mixed")
-    left, right = (channel(run, f"torque_request.drive.front_{side}") for side in ("left", "right"))
-    driving = (left > 1.0) & (right > 1.0)
-    if not driving.any():
-        raise NotMeasured("the car was not driven")
-    return float(np.maximum(left[driving] / right[driving], right[driving] / left[driving]).max())
 
 
 def coefficient(surface: str, name: str) -> float:

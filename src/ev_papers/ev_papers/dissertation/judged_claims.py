@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from ev_papers.dissertation.measures.slip_curve import first_passed_peak, slip_and_road_torque
-from ev_sim.measures import motion
 from ev_sim.measures.metric import NotMeasured, channel, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.surfaces import SURFACES
@@ -82,28 +81,6 @@ def front_slip(driven: ScenarioRuns) -> float:
     return float(_of_front(_launch(driven), "tire_forces.slip_ratio").mean())
 
 
-def swing_of_slip(driven: ScenarioRuns) -> float:
-    """Standard deviation of the slip of the left wheel once it has settled [1]."""
-    return float(_of_front(_launch(driven), "tire_forces.slip_ratio", _SETTLED)[0].std())
-
-
-def slips_apart(driven: ScenarioRuns) -> float:
-    """Largest difference of the slips of both wheels once they have settled [1]."""
-    return float(np.abs(np.diff(_of_front(_launch(driven), "tire_forces.slip_ratio", _SETTLED), axis=0)).max())
-
-
-def force_ratio(driven: ScenarioRuns) -> float:
-    """Mean drive force right over left once they have settled [1]."""
-    left, right = _of_front(_launch(driven), "tire_forces.longitudinal_force", _SETTLED).mean(axis=1)
-    return float(right / left)
-
-
-def torques_apart(driven: ScenarioRuns) -> float:
-    """Difference of the mean torques left and right over their mean, once they have settled [1]."""
-    left, right = _of_front(_launch(driven), "wheel_states.effort", _SETTLED).mean(axis=1)
-    return float(abs(left - right) / ((left + right) / 2))
-
-
 def share_beyond_grip(driven: ScenarioRuns) -> float:
     """Share of the torque that the left wheel gets less its share of the friction [1]."""
     run = _launch(driven)
@@ -111,34 +88,6 @@ def share_beyond_grip(driven: ScenarioRuns) -> float:
         _of_front(run, name).sum(axis=1) for name in ("torque_command.drive", "tire_forces.friction_coefficient")
     )
     return float(torque[0] / torque.sum() - friction[0] / friction.sum())
-
-
-def requests_apart(driven: ScenarioRuns) -> float:
-    """Largest difference of the torques that are asked for left and right, drive less brake [N m]."""
-    run = _launch(driven)
-    left, right = _of_front(run, "torque_request.drive") - _of_front(run, "torque_request.brake")
-    return float(np.abs(left - right).max())
-
-
-def way_over(driven: ScenarioRuns, other: ScenarioRuns) -> float:
-    """Distance of a launch over that of another one [1]."""
-    return float(np.divide(*(motion.distance_on_path(_launch(each))[-1] for each in (driven, other))))
-
-
-def slip_over(driven: ScenarioRuns, other: ScenarioRuns) -> float:
-    """Mean slip of the left wheel over that of another launch [1]."""
-    return float(np.divide(*(_of_front(_launch(each), "tire_forces.slip_ratio")[0].mean() for each in (driven, other))))
-
-
-def way_aside(driven: ScenarioRuns) -> float:
-    """How far it ends from the straight line [m]."""
-    return abs(float(channel(_launch(driven), "pose.y")[-1]))
-
-
-def curvature_over(driven: ScenarioRuns, other: ScenarioRuns) -> float:
-    """Curvature of the path in the end over that of another run [1]."""
-    runs = (_launch(driven), _launch(other))
-    return float(np.divide(*(channel(run, motion.YAW_RATE)[-1] / motion.path_speed(run)[-1] for run in runs)))
 
 
 def motor_torque(driven: ScenarioRuns, sample: str) -> float:

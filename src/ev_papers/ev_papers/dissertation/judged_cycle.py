@@ -212,14 +212,6 @@ def torque_that_drives(driven: ScenarioRuns) -> float:
     return float(wheel[drives].sum() / (gear * motor[drives].sum()))
 
 
-def speeds_apart(driven: ScenarioRuns) -> float:
-    """Mean difference of the load machine's speed and of the virtual wheel's, over the largest [%]."""
-    run = _bench(driven)
-    wheel = driven.vehicle.gear_ratio * channel(run, f"wheel_states.velocity.{_RIGHT}")
-    load = channel(run, f"bench.shafts.load_speed.{_RIGHT}")
-    return float(100.0 * np.abs(load - wheel).mean() / np.abs(wheel).max())
-
-
 def spins_with_excess(driven: ScenarioRuns) -> float:
     """Share of the instants under torque at which the wheel gains speed where M_em exceeds M_nu, and loses it else."""
     run = _bench(driven)
@@ -228,14 +220,6 @@ def spins_with_excess(driven: ScenarioRuns) -> float:
     excess = machine[2:-1] * driven.vehicle.motor.gear_efficiency - load[1:-2]
     clear = (np.abs(excess) > _CLEAR) & (machine[2:-1] > 0.0)
     return float((np.sign(gained[clear]) == np.sign(excess[clear])).mean())
-
-
-def load_above_machine(driven: ScenarioRuns) -> float:
-    """Share of the instants under torque without much slip at which M_nu is at least M_em [1]."""
-    run = _bench(driven)
-    machine, load = channel(run, f"motor_states.effort.{_RIGHT}"), channel(run, f"bench.load_command.torque.{_RIGHT}")
-    grips = (machine > _CLEAR) & (channel(run, f"tire_forces.slip_ratio.{_RIGHT}") < _GRIPS)
-    return float((load >= machine)[grips].mean())
 
 
 def circuits_apart(driven: ScenarioRuns) -> float:
@@ -262,12 +246,6 @@ _SETTLED = 5.0  # s, after which a launch and a load machine have settled
 
 def _at_the_end(run: Recording, name: str) -> np.ndarray:
     return channel(run, name)[run.time >= _SETTLED]
-
-
-def torque_right_over_left(driven: ScenarioRuns, mode: str) -> float:
-    """Mean torque of the right front wheel over that of the left one, when a launch has settled [1]."""
-    run = run_named(driven.runs, mode)
-    return float(np.divide(*(_at_the_end(run, f"wheel_states.effort.{wheel}").mean() for wheel in (_RIGHT, _LEFT))))
 
 
 def load_machine(driven: ScenarioRuns, run: str, quantity: str, side: str) -> float:

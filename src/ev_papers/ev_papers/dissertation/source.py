@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ev_papers.dissertation import judged_car, judged_claims, judged_cycle, judged_methods
 from ev_papers.dissertation.figures.panels import PANELS
-from ev_study.verdicts.check import measures_of
+from ev_study.verdicts.measure import measures_of
 
 __all__ = ["MEASURES", "ORDER", "PANELS"]
 

@@ -26,7 +26,8 @@ from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
-from ev_study.verdicts.check import Check, Template, measures_of
+from ev_study.verdicts.check import Check
+from ev_study.verdicts.measure import Template, measures_of
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn
 from ev_study.verdicts.sources import Published, published

@@ -8,7 +8,7 @@ A source has its place ORDER, the functions MEASURES that measure the numbers of
 from __future__ import annotations
 
 from ev_papers.outside_checks import measures
-from ev_study.verdicts.check import measures_of
+from ev_study.verdicts.measure import measures_of
 
 ORDER = 5  # among the sources, in tables
 MEASURES = measures_of(measures)

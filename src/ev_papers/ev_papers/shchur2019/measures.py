@@ -10,8 +10,8 @@ import numpy as np
 
 from ev_papers.shchur2019 import paper
 from ev_papers.shchur2019.step_response import StepResponse, first_peaks, step_response
-from ev_sim.measures import handling, motion
-from ev_sim.measures.metric import NotMeasured, channel, last, mean_between, run_named
+from ev_sim.measures import motion
+from ev_sim.measures.metric import channel, last, mean_between, run_named
 from ev_sim.plant.kinematic import front_wheel_angles, path_curvature, wheel_speed_ratios
 from ev_sim.recording.recording import Recording
 from ev_study.verdicts.need import ScenarioRuns
@@ -79,38 +79,6 @@ def period(driven: ScenarioRuns, run: str) -> float:
     return second[0] - first[0]
 
 
-def _torque_after_step(driven: ScenarioRuns) -> tuple[np.ndarray, np.ndarray]:
-    """Time after the step [s] and differential torque [N m], from the first instant at which the law answers."""
-    run = run_named(driven.runs, CLOSED_LOOP)
-    torque = motion.differential_torque(run)
-    answering = np.flatnonzero(torque)
-    if not len(answering):
-        raise NotMeasured("the law never answers")
-    return run.time[answering[0] :] - motion.hand_torque_step_time(run), torque[answering[0] :]
-
-
-def first_torque(driven: ScenarioRuns) -> float:
-    """Differential torque at the step [N m]."""
-    return _torque_after_step(driven)[1][0]
-
-
-def lowest_torque(driven: ScenarioRuns) -> float:
-    """The lowest differential torque after the step [N m]."""
-    return _torque_after_step(driven)[1].min()
-
-
-def time_of_lowest_torque(driven: ScenarioRuns) -> float:
-    """When after the step that is [s]."""
-    time, torque = _torque_after_step(driven)
-    return time[np.argmin(torque)]
-
-
-def final_torque(driven: ScenarioRuns) -> float:
-    """Differential torque in the end [N m]."""
-    run = run_named(driven.runs, CLOSED_LOOP)
-    return mean_between(run, motion.differential_torque(run), *last(run, WINDOW))
-
-
 def _while_held(run: Recording, values: np.ndarray) -> float:
     return motion.mean_while_held(run, values, paper.TURN_ANGLE, *last(run, WINDOW))
 
@@ -156,43 +124,10 @@ def _mean(run: Recording, values: np.ndarray, window: str) -> float:
     return mean_between(run, values, *WINDOWS[window])
 
 
-def speed(driven: ScenarioRuns, window: str) -> float:
-    """Mean speed in a window of the cycle [km/h]."""
-    return _mean(_cycle(driven), 3.6 * motion.path_speed(_cycle(driven)), window)
-
-
-def reached(driven: ScenarioRuns, speed: float, acceleration: str) -> float:
-    """When a speed [km/h] is reached within 1 % since an acceleration has begun [s], at the end if it never is."""
-    run, wanted = _cycle(driven), speed / 3.6
-    near = np.abs(motion.path_speed(run) - wanted) <= 0.01 * wanted
-    there = run.time[(run.time >= WINDOWS[acceleration][0]) & near]
-    return float(there[0] if len(there) else run.time[-1])
-
-
-def drive_torque(driven: ScenarioRuns, window: str) -> float:
-    """Mean drive torque of all wheels in a window of the cycle [N m]."""
-    return _mean(_cycle(driven), motion.total_drive_torque(_cycle(driven)), window)
-
-
-def road_wheel_angle(driven: ScenarioRuns, turn: str) -> float:
-    """Mean road-wheel angle at the end of a turn [rad]."""
-    return _mean(_cycle(driven), _angle(_cycle(driven)), turn)
-
-
 def differential_torque(driven: ScenarioRuns, turn: str) -> float:
     """Mean differential torque at the end of a turn, in which 30 deg are held [N m]."""
     run, angle = _cycle(driven), paper.TURN_ANGLE if turn == "left" else -paper.TURN_ANGLE
     return motion.mean_while_held(run, motion.differential_torque(run), angle, *WINDOWS[turn])
-
-
-def wheel_speed(driven: ScenarioRuns, side: str, turn: str) -> float:
-    """Mean speed of a front wheel at the end of a turn [rad/s]."""
-    return _mean(_cycle(driven), channel(_cycle(driven), f"wheel_states.velocity.front_{side}"), turn)
-
-
-def speed_difference(driven: ScenarioRuns, turn: str) -> float:
-    """Mean difference of the linear speeds of the front wheels at the end of a turn [m/s]."""
-    return _mean(_cycle(driven), motion.speed_difference(_cycle(driven), driven.vehicle), turn)
 
 
 def difference_beyond_the_law(driven: ScenarioRuns) -> float:
@@ -203,30 +138,6 @@ def difference_beyond_the_law(driven: ScenarioRuns) -> float:
     lever = paper.differential_torque(1.0, 0.0) / paper.GAMMA
     law = lever * (paper.GAMMA * hand - paper.K_CK * angle - paper.B_CK * rate)
     return float(np.abs(motion.differential_torque(run) - law).max())
-
-
-def sum_beyond_the_driver(driven: ScenarioRuns) -> float:
-    """Largest distance of M_R* + M_L* from M* [N m]."""
-    run = _cycle(driven)
-    both = channel(run, "torque_request.drive.front_right") + channel(run, "torque_request.drive.front_left")
-    return float(np.abs(both - channel(run, "driver.command.drive_torque")).max())
-
-
-def slip_energy_over(driven: ScenarioRuns, other: ScenarioRuns) -> float:
-    """Slip energy of all wheels over that of another run [1]."""
-    return handling.slip_energy(_cycle(driven), driven.vehicle) / handling.slip_energy(_cycle(other), other.vehicle)
-
-
-def centre_of_mass(driven: ScenarioRuns) -> float:
-    """Distance of the centre of mass from the rear axle over the wheelbase [1]."""
-    return driven.vehicle.centre_of_mass_to_rear_axle / driven.vehicle.wheelbase
-
-
-def driven_radius(driven: ScenarioRuns) -> float:
-    """Radius of the path of the centre of mass late in the left turn [m]."""
-    run = _cycle(driven)
-    speed, yaw_rate = (_mean(run, values, "left") for values in (motion.path_speed(run), channel(run, motion.YAW_RATE)))
-    return speed / yaw_rate
 
 
 def neglected_damping(driven: ScenarioRuns, speed: float) -> float:

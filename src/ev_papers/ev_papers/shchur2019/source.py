@@ -19,7 +19,7 @@ from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, run_named
 from ev_sim.recording.recording import Recording
-from ev_study.verdicts.check import measures_of
+from ev_study.verdicts.measure import measures_of
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time
 from ev_study.verdicts.verdict import metrics_at_hand

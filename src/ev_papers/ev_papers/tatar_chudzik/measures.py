@@ -6,7 +6,6 @@ Each public function measures one number of published.csv. A run is LAYOUT_CONTR
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -32,17 +31,6 @@ def _across(driven: ScenarioRuns, run: str) -> dict[str, np.ndarray]:
     """F_y of each wheel in the axes of the car, (n,) [N]."""
     recording = run_named(driven.runs, run)
     return {name: tyre_force(recording, wheel, driven.vehicle).y for name, wheel in WHEELS.items()}
-
-
-def steering_begins(driven: ScenarioRuns) -> float:
-    """When the front wheels begin to turn [s]."""
-    run = run_named(driven.runs, f"front_{EQUAL}")
-    return float(run.time[turning_in(run) - 1])
-
-
-def steered(driven: ScenarioRuns) -> float:
-    """Road-wheel angle in the end [rad]."""
-    return float(channel(run_named(driven.runs, f"front_{EQUAL}"), motion.ROAD_WHEEL_ANGLE)[-1])
 
 
 def curvature(driven: ScenarioRuns, run: str, speed: float) -> float:
@@ -103,10 +91,3 @@ def outer_above_inner(driven: ScenarioRuns, layout: str) -> bool:
         name: channel(run, f"wheel_states.velocity.{wheel}")[late] for name, wheel in WHEELS.items()
     }
     return all((speed[outer] > speed[inner]).all() for inner, outer in (("FL", "FR"), ("RL", "RR")))
-
-
-def radius(driven: ScenarioRuns) -> float:
-    """Radius of the path of the middle of the rear axle in the end [m]."""
-    run = run_named(driven.runs, "all_equal")
-    lateral, yaw_rate = channel(run, "twist.lateral")[-1], channel(run, motion.YAW_RATE)[-1]
-    return math.hypot(channel(run, "twist.longitudinal")[-1], lateral - REAR_ARM * yaw_rate) / yaw_rate

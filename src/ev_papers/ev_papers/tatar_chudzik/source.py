@@ -30,7 +30,7 @@ from ev_sim.measures.handling import (
 )
 from ev_sim.measures.metric import Metric, NotMeasured, Parameters, Runs, channel, metric, run_named
 from ev_sim.recording.recording import Recording
-from ev_study.verdicts.check import measures_of
+from ev_study.verdicts.measure import measures_of
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time
 from ev_study.verdicts.verdict import metrics_at_hand

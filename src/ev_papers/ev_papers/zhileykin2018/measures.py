@@ -29,23 +29,13 @@ from ev_msgs_py.contract.signals import (
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 from ev_papers.zhileykin2018 import grid
 from ev_papers.zhileykin2018.grid import LIMIT, NOMINAL, REAR_DRIVE, SHARES, SWING
-from ev_sim.measures import handling, motion
+from ev_sim.measures import motion
 from ev_sim.measures.metric import NotMeasured, channel, run_named
-from ev_sim.measures.motion import ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE, moving
+from ev_sim.measures.motion import ROAD_WHEEL_ANGLE, moving
 from ev_study.analysis.linear_models import SideSlipModel, side_slip_model
 from ev_study.verdicts.need import ScenarioRuns, StudyCases
 
 STEERED = 3.0  # [s], the end of the third second, in which the steering wheel is turned
-
-
-def full_slip_friction(driven: ScenarioRuns) -> float:
-    """mu_s of the tyre [1]."""
-    return driven.vehicle.tyre.coefficients[0]
-
-
-def initial_speed(driven: ScenarioRuns) -> float:
-    """Speed at the beginning [m/s]."""
-    return float(channel(run_named(driven.runs, NOMINAL), "twist.longitudinal")[0])
 
 
 def _front_shares(driven: ScenarioRuns) -> np.ndarray:
@@ -63,29 +53,6 @@ def front_share_is_never_negative(driven: ScenarioRuns) -> bool:
     return bool(_front_shares(driven).min() >= 0.0)
 
 
-def _moves(driven: ScenarioRuns) -> np.ndarray:
-    """The samples at which the steering wheel turns on."""
-    moves = np.flatnonzero(np.diff(channel(run_named(driven.runs, NOMINAL), STEERING_WHEEL_ANGLE)))
-    if not len(moves):
-        raise NotMeasured("the steering wheel never turns")
-    return moves
-
-
-def steering_begins(driven: ScenarioRuns) -> float:
-    """When the steering wheel begins to turn [s]."""
-    return run_named(driven.runs, NOMINAL).time[_moves(driven)[0]]
-
-
-def steering_ends(driven: ScenarioRuns) -> float:
-    """When it has turned [s]."""
-    return run_named(driven.runs, NOMINAL).time[_moves(driven)[-1] + 1]
-
-
-def peak_sideslip(driven: ScenarioRuns, run: str) -> float:
-    """Largest sideslip angle of the moving car [rad]."""
-    return handling.peak_sideslip(run_named(driven.runs, run))
-
-
 def largest_slip_angle(driven: ScenarioRuns, run: str) -> float:
     """Largest slip angle of any wheel [rad]."""
     return float(np.abs(_slip_angles(driven, run)).max())
@@ -101,11 +68,6 @@ def sides_apart(driven: ScenarioRuns, run: str) -> float:
     if not (largest := np.abs(angles).max()):
         raise NotMeasured("no wheel has a slip angle")
     return float(np.abs(angles[::2] - angles[1::2]).max() / largest)
-
-
-def last_speed(driven: ScenarioRuns, run: str) -> float:
-    """Speed in the end [m/s]."""
-    return float(motion.path_speed(run_named(driven.runs, run))[-1])
 
 
 def off_the_circle(driven: ScenarioRuns, run: str) -> float:

@@ -22,7 +22,7 @@ from ev_sim.measures.handling import peak_sideslip
 from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
 from ev_sim.measures.registry import METRICS
 from ev_sim.recording.recording import Recording
-from ev_study.verdicts.check import measures_of
+from ev_study.verdicts.measure import measures_of
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn
 from ev_study.verdicts.panels_page import over_time as drawn_over_time

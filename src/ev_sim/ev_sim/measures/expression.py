@@ -1,4 +1,4 @@
-"""Expressions over channels and metrics, such as `maximum(abs(imu.yaw_rate[time > 2]))`.
+"""Expressions over channels, metrics and the car, such as `maximum(abs(imu.yaw_rate[time > 2])) / vehicle.mass`.
 
 They are read as Python's syntax and never run as Python: of the tree only what stands here has a meaning.
 """
@@ -16,7 +16,9 @@ import numpy as np
 from ev_core.parameters.data_file import TIME
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.measures.metric import NotMeasured, channel
+from ev_sim.measures import motion
+from ev_sim.measures.derived import SERIES, VEHICLE, of_vehicle
+from ev_sim.measures.metric import NotMeasured, between, channel
 from ev_sim.measures.registry import METRICS, DrivenRun
 
 _LONGEST, _MOST = 500, 200  # characters, and parts of an expression: its tree is walked by recursion
@@ -77,7 +79,22 @@ _COMPARISONS: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq, ast.NotEq: operator.ne,
 }  # fmt: skip
 _LOGIC: Mapping[type, Callable[[Any, Any], Any]] = {ast.BitAnd: np.logical_and, ast.BitOr: np.logical_or}
-FUNCTIONS = sorted({*REDUCTIONS, *OVER_TIME, *ELEMENTWISE})
+AT = "at"  # at(VALUES, TIME)
+FUNCTIONS = sorted({*REDUCTIONS, *OVER_TIME, *ELEMENTWISE, AT})
+
+
+def number_of(tree: ast.expr) -> Callable[[DrivenRun], float]:
+    """The function that computes a tree; ParameterError, in one line, for what has no meaning or is not one number."""
+    term = term_of(tree)
+    if term.kind.is_series:
+        raise ParameterError("it has a value at each sample, expected one number, such as maximum(...) of it")
+
+    def of(run: DrivenRun) -> float:
+        # What is not finite is refused where the number is used, with the number.
+        with np.errstate(all="ignore"):
+            return float(term.of(run))
+
+    return of
 
 
 def parsed(text: str) -> ast.expr:
@@ -124,8 +141,8 @@ def term_of(node: ast.expr) -> Term:
         return _compared(node)
     hint = "; and, or, not are written &, |, ~" if isinstance(node, ast.BoolOp | ast.UnaryOp) else ""
     raise ParameterError(
-        f"{quoted(ast.unparse(node))} has no meaning, expected numbers, channels, time, metrics, + - * / **, "
-        f"comparisons, & | ~, [condition] and functions{hint}"
+        f"{quoted(ast.unparse(node))} has no meaning, expected numbers, channels, time, metrics, vehicle.NAME, "
+        f"+ - * / **, comparisons, & | ~, [condition] and functions{hint}"
     )
 
 
@@ -140,14 +157,18 @@ def _named(name: str) -> Term:
         return Term(_SERIES, _time)
     if name in frame.channels():
         return Term(_SERIES, lambda run: channel(run.signals, name))
+    if name in SERIES:
+        return Term(_SERIES, SERIES[name].of)
     if name in METRICS:
         return Term(_NUMBER, METRICS[name].of)
+    if name.startswith(VEHICLE):
+        return Term(_NUMBER, of_vehicle(name.removeprefix(VEHICLE), None))
     if name == "pi":
         return Term(_NUMBER, lambda run: np.pi)
     raise (
         unknown_name("channel", name, frame.channels())
         if "." in name
-        else unknown_name("name", name, [*METRICS, *FUNCTIONS, TIME, "pi"])
+        else unknown_name("name", name, [*METRICS, *SERIES, *FUNCTIONS, TIME, "pi"])
     )
 
 
@@ -192,10 +213,44 @@ def _compared(node: ast.Compare) -> Term:
 
 
 def _subscript(node: ast.Subscript) -> Term:
+    """`VALUES[condition]`, `VALUES[start:end]` [s], or a number of a list of the vehicle."""
+    name = name_of(node.value) or ""
+    if name.startswith(VEHICLE):
+        place = node.slice.value if isinstance(node.slice, ast.Constant) else None
+        return Term(_NUMBER, of_vehicle(name.removeprefix(VEHICLE), place if type(place) is int else None))
+    if isinstance(node.slice, ast.Slice):
+        return _window(node, node.slice)
     values, condition = term_of(node.value), term_of(node.slice)
     if not condition.kind.is_condition or not values.kind.is_series or values.kind.is_part:
-        raise ParameterError(f"{quoted(ast.unparse(node))} is refused, expected CHANNEL[condition], such as [time > 1]")
+        raise ParameterError(
+            f"{quoted(ast.unparse(node))} is refused, expected CHANNEL[condition], such as [time > 1], or [1:2]"
+        )
     return Term(_PART, lambda run: _chosen(_as_numbers(values.of(run)), condition.of(run)))
+
+
+def _window(node: ast.Subscript, ends: ast.Slice) -> Term:
+    """The samples from a start to before an end [s], which the run has to cover."""
+    if ends.lower is None or ends.upper is None or ends.step is not None:
+        raise ParameterError(f"{quoted(ast.unparse(node))} is refused, expected [START:END], or [time > START]")
+    values, start, end = term_of(node.value), term_of(ends.lower), term_of(ends.upper)
+    if not values.kind.is_series or values.kind.is_part or start.kind.is_series or end.kind.is_series:
+        raise ParameterError(f"{quoted(ast.unparse(node))} is refused, expected CHANNEL[START:END] with two numbers")
+
+    def of(run: DrivenRun) -> np.ndarray:
+        inside = between(run.signals, float(start.of(run)), float(end.of(run)))
+        return _as_numbers(values.of(run))[inside]
+
+    return Term(_PART, of)
+
+
+def _at(values: Term, instant: Term) -> Term:
+    """The value at an instant [s], linear between samples."""
+    if not values.kind.is_series or values.kind.is_part or instant.kind.is_series:
+        raise ParameterError(f"{AT} is {AT}(CHANNEL, TIME)")
+    return Term(
+        _NUMBER,
+        lambda run: motion.value_at(run.signals, _as_numbers(values.of(run)), float(instant.of(run))),
+    )
 
 
 def _called(node: ast.Call) -> Term:
@@ -215,7 +270,9 @@ def _called(node: ast.Call) -> Term:
         if not term.kind.is_series or term.kind.is_part:
             raise ParameterError(f"{name} is of a channel at all samples")
         return Term(kind, lambda run: function(_as_numbers(term.of(run)), run.signals.time))
-    wanted, elementwise = ELEMENTWISE.get(name, (1, None))
+    if name == AT and count == 2:
+        return _at(*terms)
+    wanted, elementwise = ELEMENTWISE.get(name, (2 if name == AT else 1, None))
     if elementwise is None or count != wanted:
         raise ParameterError(f"{name} takes {wanted} {'value' if wanted == 1 else 'values'}, here are {count}")
     if name == "where":

@@ -174,8 +174,8 @@ def channel(recording: Recording, name: str) -> np.ndarray:
     return values
 
 
-def mean_between(recording: Recording, values: np.ndarray, start: float, end: float) -> float:
-    """Mean over start <= time < end [s]; NotMeasured if the run does not cover the window.
+def between(recording: Recording, start: float, end: float) -> np.ndarray:
+    """Mark the samples with start <= time < end [s], (n,) bool; NotMeasured if the run does not cover the window.
 
     The end is left out because at this instant the driver already answers to what comes next.
     """
@@ -188,10 +188,15 @@ def mean_between(recording: Recording, values: np.ndarray, start: float, end: fl
         raise NotMeasured(
             f"the run lasts from {time[0]:g} s to {time[-1]:g} s, the window from {start:g} s to {end:g} s"
         )
-    inside = (time >= start - rounding) & (time < end - rounding)
+    inside: np.ndarray = (time >= start - rounding) & (time < end - rounding)
     if not inside.any():
         raise NotMeasured(f"there is no sample from {start:g} s to {end:g} s")
-    return float(values[inside].mean())
+    return inside
+
+
+def mean_between(recording: Recording, values: np.ndarray, start: float, end: float) -> float:
+    """Mean over start <= time < end [s]; NotMeasured if the run does not cover the window."""
+    return float(values[between(recording, start, end)].mean())
 
 
 def last(recording: Recording, window: float) -> tuple[float, float]:

@@ -6,11 +6,10 @@ import ast
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
-import numpy as np
-
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.measures.expression import REDUCTIONS, name_of, parsed, term_of
+from ev_sim.measures.derived import SERIES
+from ev_sim.measures.expression import REDUCTIONS, name_of, number_of, parsed
 from ev_sim.measures.metric import Metric
 from ev_sim.measures.registry import METRICS, DrivenRun, NamedMetric
 
@@ -36,17 +35,10 @@ def named_metric(text: str | NamedMetric) -> NamedMetric:
         if name in METRICS:
             raise ParameterError(f"{name} is the name of another metric, expected one of your own")
         tree = parsed(expression)
-        term = term_of(tree)
-        if term.kind.is_series:
-            raise ParameterError("it has a value at each sample, expected one number, such as maximum(...) of it")
+        of = number_of(tree)
         unit = unit.strip() if unit else _unit_of(tree)
     except ParameterError as error:
         raise ParameterError(f"metric {quoted(text)} is refused: {error}") from None
-
-    def of(run: DrivenRun) -> float:
-        with np.errstate(all="ignore"):
-            return float(term.of(run))
-
     return NamedMetric(name, unit, expression, of, tuple(dict.fromkeys(_needs(tree))))
 
 
@@ -97,5 +89,7 @@ def _needs(tree: ast.expr) -> Iterator[str]:
         name = name_of(node) if isinstance(node, ast.expr) else None
         if name in frame.channels():
             yield name
+        elif name in SERIES:
+            yield from SERIES[name].needs
         elif name in METRICS:
             yield from METRICS[name].needs

@@ -2,110 +2,16 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from operator import attrgetter
-from types import ModuleType
 from typing import Any
 
-from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.measures.metric import Band, Metric, NotMeasured, Reference, metric, within
-from ev_study.verdicts.need import Need, ScenarioRuns
-
-# A measure gets what was driven, one argument for each need, and the words behind its name; it may raise NotMeasured.
-Measure = Callable[..., Any]
-Measures = Mapping[str, Measure]
-
-
-def measures_of(*modules: ModuleType) -> dict[str, Measure]:
-    """The public functions of some modules by name; ValueError if two of them have one name."""
-    found: dict[str, Measure] = {}
-    for module in modules:
-        for name, function in inspect.getmembers(module, inspect.isfunction):
-            if function.__module__ == module.__name__ and not name.startswith("_") and found.setdefault(
-                name, function
-            ) is not function:  # fmt: skip
-                raise ValueError(f"{name} of {module.__name__} is a measure of {found[name].__module__} as well")
-    return found
-
-
-def car(driven: ScenarioRuns, name: str, unit: float = 1.0) -> float:
-    """A number of the vehicle description by its dotted name, in multiples of a unit."""
-    return float(attrgetter(name)(driven.vehicle)) / unit
-
-
-def parameter(driven: ScenarioRuns, node: str, name: str) -> float:
-    """A number among the parameters of a node, by its dotted name."""
-    return float(driven.parameters[node][name])
-
-
-COMMON: Measures = {"car": car, "parameter": parameter}  # that every source may name
-
-_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
-_COMPARES = re.compile(r"\s[<>]\s")
-_CALLS = re.compile(r"\{([^{}]*)\}")
-
-
-@dataclass(frozen=True, slots=True)
-class Call:
-    """A measure with its words: `mean yaw_rate 2` is mean(*driven, "yaw_rate", 2.0)."""
-
-    measure: Measure
-    words: tuple[str | float, ...]
-
-    @classmethod
-    def of(cls, text: str, measures: Measures, needs: Sequence[Need]) -> Call:
-        """The call that a text means; ParameterError for an unknown measure, and for words that it does not take."""
-        name, *words = text.split() or [""]
-        if name not in measures:
-            raise unknown_name("measure", name, measures)
-        given = tuple(float(word) if _NUMBER.fullmatch(word) else word for word in words)
-        signature = inspect.signature(measures[name])
-        try:
-            signature.bind(*needs, *given)
-        except TypeError as error:
-            raise ParameterError(
-                f"measure {quoted(text)} is refused ({error}), expected {name}{signature}, "
-                f"of which the first {len(needs)} are what is driven"
-            ) from None
-        return cls(measures[name], given)
-
-    def __call__(self, driven: Sequence[Any]) -> Any:
-        """What is measured on what was driven."""
-        return self.measure(*driven, *self.words)
-
-    def renamed(self, words: Mapping[str | float, str | float]) -> Call:
-        """The same with other words in place of some."""
-        return replace(self, words=tuple(words.get(word, word) for word in self.words))
-
-
-@dataclass(frozen=True, slots=True)
-class Template:
-    """A text in which calls in braces, `{measure words}`, are filled in with what was driven."""
-
-    parts: tuple[str | Call, ...] = ()
-
-    @classmethod
-    def of(cls, text: str, measures: Measures, needs: Sequence[Need]) -> Template:
-        """The template of a text; ParameterError as `Call.of`."""
-        parts = _CALLS.split(text)
-        return cls(tuple(Call.of(part, measures, needs) if n % 2 else part for n, part in enumerate(parts)))
-
-    @property
-    def is_plain(self) -> bool:
-        """Whether there is nothing to fill in."""
-        return len(self.parts) < 2
-
-    def filled(self, driven: Sequence[Any]) -> str:
-        """The text."""
-        found = (part(driven) if isinstance(part, Call) else part for part in self.parts)
-        return "".join(each if isinstance(each, str) else f"{each:g}" for each in found)
-
-
-EMPTY = Template()
+from ev_study.verdicts.measure import EMPTY, Call, Expression, Measures, Template, compared, measured_by
+from ev_study.verdicts.need import Need
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,11 +86,11 @@ class Check:
     name: str
     unit: str
     needs: tuple[Need, ...]
-    measure: Call
+    measure: Call | Expression
     value: float | None = None
     tolerance: Template = EMPTY
     why: Template = EMPTY
-    than: Call | None = None
+    than: Call | Expression | None = None
     is_larger: bool = False
 
     @property
@@ -244,9 +150,8 @@ def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]
     text, value = row["measure"], row["value"]
     _refuse_unit(row["unit"])
     tolerance, why = (Template.of(row[name], measures, needs) for name in ("tolerance", "why"))
-    sign = _COMPARES.search(text)
-    first, than = (text[: sign.start()], text[sign.end() :]) if sign else (text, "")
-    check = Check(row["name"], row["unit"], needs, Call.of(first, measures, needs))
+    first, sign, than = compared(text)
+    check = Check(row["name"], row["unit"], needs, measured_by(first, measures, needs))
     if value == SHOWN:
         if row["tolerance"] or row["why"]:
             raise ParameterError(f"the tolerance {quoted(row['tolerance'])} is refused, allowed beside {SHOWN} is none")
@@ -264,7 +169,7 @@ def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]
     if sign:
         if value:
             raise ParameterError(f"the value {quoted(value)} is refused, allowed for a comparison is none")
-        return replace(check, than=Call.of(than, measures, needs), is_larger=sign[0].strip() == ">")
+        return replace(check, than=measured_by(than, measures, needs), is_larger=sign == ">")
     try:
         number = float(value)
     except ValueError:

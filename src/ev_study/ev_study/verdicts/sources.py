@@ -14,7 +14,8 @@ from ev_core.methods.offered import offered, offered_module
 from ev_core.parameters.data_file import TEXT, read_data
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.measures.metric import Band, Metric, Reference
-from ev_study.verdicts.check import COMMON, EMPTY, Check, Measures, Template, check_of
+from ev_study.verdicts.check import Check, check_of
+from ev_study.verdicts.measure import COMMON, EMPTY, Measures, Template
 from ev_study.verdicts.need import Driven, Need, need_of
 
 GROUP = "ev_stack.sources"  # of entry points: the name of a source, and its module
@@ -24,7 +25,7 @@ GROUP = "ev_stack.sources"  # of entry points: the name of a source, and its mod
 def sources() -> dict[str, ModuleType]:
     """The module of each source by name, in their `ORDER`.
 
-    It has MEASURES (the functions by name that measure) and PANELS (its figures), and published.csv beside it.
+    It has PANELS (its figures), published.csv beside it and, for what no expression measures, the functions MEASURES.
     """
     found = {name: source_named(name) for name in offered(GROUP)}
     return dict(sorted(found.items(), key=lambda each: (each[1].ORDER, each[0])))
@@ -104,7 +105,7 @@ def published(source: str) -> dict[str, Published]:
 
     ParameterError, in one line with file, line and id, if something of a row is refused.
     """
-    measures = {**COMMON, **source_named(source).MEASURES}
+    measures = {**COMMON, **getattr(source_named(source), "MEASURES", {})}
     return {id: _published(id, rows, measures) for id, rows in _rows_by_id(source).items()}
 
 
