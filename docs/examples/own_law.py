@@ -12,13 +12,13 @@ class LimitParameters:
     limit: float = parameter(1000.0, unit="N m", low=0.0, high=10000.0, about="largest drive torque of a wheel")
 
 
-@method("asr", "limit_in_python", LimitParameters, mirrored=True)
+@method("asr", "limit_in_python", mirrored=True)
 def limit_in_python(p: LimitParameters, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """Limit the drive torque of every wheel: whatever Python can."""
     return WheelTorqueCommand(Wheels(*(min(torque, p.limit) for torque in request.drive)), request.brake)
 
 
-@method("asr", "limit_compiled", LimitParameters, mirrored=True)
+@method("asr", "limit_compiled", mirrored=True)
 @compilable
 def limit_compiled(p: LimitParameters, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """Limit the drive torque of every wheel: the part of Python that offline runs compile."""

@@ -1,12 +1,14 @@
 """A law of your own that controls the car: a yaw moment by the wheel torques, proportional and integral, or sliding."""
 
 from dataclasses import dataclass
+from enum import auto
 
-from ev_control.law import BrakeSplitParameters, split_brake
+from ev_control.law import BrakeSplitParameters, differential, split_brake
 from ev_core.law import (
     GRAVITY,
     BodyVelocity,
     Car,
+    Choice,
     DriverCommand,
     SteeringColumnState,
     Wheels,
@@ -14,18 +16,22 @@ from ev_core.law import (
     compilable,
     entry,
     group,
-    method,
     parameter,
 )
 
-SLIDING_MODE = 1
+
+class Control(Choice):
+    """What makes a moment of the error."""
+
+    PI = auto()
+    SLIDING_MODE = auto()
 
 
 @dataclass(frozen=True, slots=True)
 class YawMomentParameters:
     """The yaw rate that is wanted, and how it is brought about."""
 
-    control: str = parameter("pi", choices=("pi", "sliding_mode"), about="from the error of the yaw rate to a moment")
+    control: Control = parameter(Control.PI, about="from the error of the yaw rate to a moment")
     understeer: float = parameter(
         0.0, unit="s^2/m", low=-1.0, high=1.0, about="K of the wanted yaw rate v delta/(L + K v^2); 0: a neutral car"
     )
@@ -49,7 +55,7 @@ class YawMomentState:
     integral: float = entry(unit="N m", about="integral part of the moment")
 
 
-@method("electronic_differential", "yaw_moment", YawMomentParameters, state=YawMomentState, mirrored=True)
+@differential("yaw_moment")
 @compilable
 def yaw_moment(
     p: YawMomentParameters,
@@ -70,7 +76,7 @@ def yaw_moment(
         limit = p.friction * GRAVITY / speed
         wanted = speed * column.road_wheel_angle / (car.wheelbase + p.understeer * speed * speed)
         error = min(max(wanted, -limit), limit) - body.yaw_rate
-        if p.control == SLIDING_MODE:
+        if p.control == Control.SLIDING_MODE:
             moment = p.largest * min(max(error / p.layer, -1.0), 1.0)
         else:
             s.integral = min(max(s.integral + p.gain * error * period / p.reset_time, -p.largest), p.largest)

@@ -33,7 +33,7 @@ class Parameters:
     pull: float = parameter(0.0, unit="N m", low=-100.0, high=100.0, about="to the left")
 
 
-@method("electronic_differential", "pulls", Parameters, mirrored=True)
+@method("electronic_differential", "pulls", mirrored=True)
 @compilable
 def pulls(p: Parameters, driver: DriverCommand) -> WheelTorqueRequest:
     """Pull to one side."""

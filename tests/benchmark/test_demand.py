@@ -44,7 +44,7 @@ class State:
     time: float = entry(unit="s", about="since the start")
 
 
-@method("electronic_differential", "cheats", Parameters, state=State)
+@method("electronic_differential", "cheats")
 @compilable
 def cheats(
     p: Parameters, car: Car, s: State, period: float, driver: DriverCommand, column: SteeringColumnState

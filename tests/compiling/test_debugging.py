@@ -35,9 +35,9 @@ def jitted(x):
     print(x)
     return x
 
-@method("asr", "mine", P)
+@method("asr", "mine")
 @compilable
-def mine(p, request: WheelTorqueRequest) -> WheelTorqueCommand:
+def mine(p: P, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """A law."""
     share = p.share
 '''

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from numba import njit
 
 import ev_sim
-from ev_control.asr.off import OffParameters, off
+from ev_control.asr.off import off
 from ev_core.check.method import ContractError, check_method
 from ev_core.compiled.part import CompiledPart
 from ev_core.compiled.part_source import is_checked
@@ -35,7 +35,7 @@ from ev_core.law import (
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.finding import find_method
 from ev_core.lockstep.parts import part_of
-from ev_core.methods.law import Law
+from ev_core.methods.law import Law, NoParameters
 from ev_core.methods.law_error import LawError
 from ev_core.methods.part import PythonPart
 from ev_core.methods.register import Method, create
@@ -148,7 +148,7 @@ def made_around_ours(request: WheelTorqueRequest) -> WheelTorqueCommand:
 
 def test_a_law_that_takes_the_name_of_one_of_ours_is_checked():
     """`functools.wraps` gives it the module of ours, whose indices are tested once and not in each run."""
-    made = Method("asr", "mine", Law(made_around_ours, OffParameters), (WheelTorqueRequest,), OffParameters)
+    made = Method("asr", "mine", Law(made_around_ours, NoParameters), (WheelTorqueRequest,), NoParameters)
     assert made.package == "ev_control"
     assert is_checked(made)
     assert not is_checked(find_method("asr", "off"))
@@ -200,9 +200,9 @@ class P:
 class S:
     ring: list[float] = series(5, unit="N m")
 
-@method("asr", "late", P, state=S)
+@method("asr", "late")
 @compilable
-def late(p, s, period, request: WheelTorqueRequest) -> WheelTorqueCommand:
+def late(p: P, s: S, period, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """Five samples are enough for the default delay, not for the longest one."""
     s.ring[1:] = s.ring[:-1]
     s.ring[0] = request.drive.front_left
@@ -261,9 +261,9 @@ class P:
     gain: float = parameter(1.0, unit="1", about="of the brakes")
 
 
-@method("electronic_differential", "reads_all", P)
+@method("electronic_differential", "reads_all")
 @compilable
-def reads_all(p, {arguments}) -> WheelTorqueRequest:
+def reads_all(p: P, {arguments}) -> WheelTorqueRequest:
     return WheelTorqueRequest(NO_WHEELS, Wheels(p.gain * driver.brake_torque, 0.0, 0.0, 0.0))
 """
 

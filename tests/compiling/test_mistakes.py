@@ -41,9 +41,9 @@ def named(x, **more):
 class K: pass
 k, table, counter = K(), {"a": 1.0}, [0]
 
-@method("asr", "mine", P, state=S)
+@method("asr", "mine")
 @compilable
-def mine(p, car, s, request: WheelTorqueRequest) -> WheelTorqueCommand:
+def mine(p: P, car, s: S, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """A law."""
     fl, fr, rl, rr = request.drive
 '''
@@ -99,7 +99,7 @@ MISTAKES = {
     ),
     "a choice by its text": (
         first_wheel('fl if p.kind == "sport" else 0.0'),
-        "a number is compared with a text, expected the place of a choice",
+        "a choice is compared with a text, expected a member of its Choice",
     ),
     "a text made of a number": (first_wheel("float(str(fl))"), "str makes a text, expected numbers"),
     "a parameter that is written": (f"p.share = 1.0; {first_wheel('fl')}", "p.share is written, p is only read: what"),
@@ -225,9 +225,9 @@ class P:
 class S:
     x: float = entry(unit="1", about="a number")
 
-@method("asr", "mine", P, state=S)
+@method("asr", "mine")
 @compilable
-def mine(p, s, request: WheelTorqueRequest) -> WheelTorqueCommand:
+def mine(p: P, s: S, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """A law."""
     return WheelTorqueCommand(request.drive, request.brake)
 '''
@@ -249,11 +249,11 @@ DECLARATIONS = {
         "parameters are class P, expected a",
     ),
     "one wish without a tuple": (
-        "state=S",
-        "state=S, needs=FRONT_WHEELS_DRIVEN",
+        '"mine"',
+        '"mine", needs=FRONT_WHEELS_DRIVEN',
         "needs= is no tuple, write needs=(...,)",
     ),
-    "an object as state": ("state=S", "state=S()", "state=S(x=0.0) is refused, expected a class marked @dataclass"),
+    "an object as state": ("s: S", "s: S()", "state=S(x=0.0) is refused, expected a class marked @dataclass"),
     "no start value": (
         ' = entry(unit="1", about="a number")',
         "",
@@ -264,18 +264,19 @@ DECLARATIONS = {
         "'on'",
         "S.x begins as str, expected a number: entry(",
     ),
-    "another word": ("state=S", "sate=S", "unknown argument 'sate'; did you mean state"),
-    "state that nobody declares": (", state=S", "", "s is asked for and not made, declare state="),
-    "constants that nobody prepares": ("(p, s,", "(p, c, s,", "c is asked for and not made, declare prepare="),
+    "another word": ('"mine"', '"mine", sate=S', "unknown argument 'sate'; did you mean state"),
+    "state without annotation": ("s: S", "s", "s has no annotation, expected the dataclass of its state"),
+    "parameters without annotation": ("p: P", "p", "p has no annotation, expected the dataclass of its parameters"),
+    "constants without prepare": ("(p: P, s", "(p: P, c, s", "c is asked for and not made, declare prepare="),
     "any number of signals": ("Request) ->", "Request, *more: WheelTorqueRequest) ->", "more stands for any number of"),
     "a word of one's own": (
-        "(p, s,",
-        "(params, s,",
+        "(p: P, s",
+        "(params, s",
         "params is not known, expected p, car, c, s, period and signals",
     ),
     "signals first": (
-        "p, s, request: WheelTorqueRequest",
-        "request: WheelTorqueRequest, p, s",
+        "p: P, s: S, request: WheelTorqueRequest",
+        "request: WheelTorqueRequest, p: P, s: S",
         "request stands too early, p",
     ),
 }
@@ -301,7 +302,7 @@ def test_a_mistake_in_a_declaration_is_one_line(tmp_path: Path, name: str):
 def test_what_prepare_gives_is_refused_in_one_line(tmp_path: Path):
     file = tmp_path / "my_law.py"
     file.write_text(
-        DECLARATION.replace("state=S", "state=S, prepare=lambda p, v, t: [1.0]").replace("(p, s,", "(p, c, s,")
+        DECLARATION.replace('"mine"', '"mine", prepare=lambda p, v, t: [1.0]').replace("(p: P, s", "(p: P, c, s")
     )
     with pytest.raises(
         ParameterError, match=r"my_law\.py, line 14: asr law mine: TypeError: prepare gives a list of float, exp"

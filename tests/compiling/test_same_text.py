@@ -56,9 +56,9 @@ def raised_by_one(table):
     table[0] = table[0] + 1.0
     return table[0]
 
-@method("asr", "mine", P, state=S, prepare=prepare)
+@method("asr", "mine", prepare=prepare)
 @compilable
-def mine(p, c, s, request: WheelTorqueRequest) -> WheelTorqueCommand:
+def mine(p: P, c, s: S, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """A law."""
     x = 1.0
 '''

@@ -140,25 +140,44 @@ def test_own_node_replaces_the_built_in_one(tmp_path: Path):
 def test_own_methods_are_held_against_the_contract():
     command = [sys.executable, str(EXAMPLES / "check_own_law.py")]
     said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    assert said.count("keeps the contract") == 4
+    assert said.count("keeps the contract") == 5
 
 
-def test_yaw_moment_lowers_the_error_that_the_page_says():
-    """In a process of its own: methods that are registered are there for all other tests."""
+def test_a_first_law_takes_few_lines_and_few_things_to_know():
+    """A yaw-rate feedback with one state and two parameters, and the table of what its author has to know."""
+    assert len((EXAMPLES / "yaw_feedback.py").read_text().splitlines()) <= 35
+    page = (ROOT / "docs" / "own_things.md").read_text()
+    table = page.partition("| what | how |\n| --- | --- |\n")[2].partition("\n\n")[0]
+    assert len(table.splitlines()) <= 8
+
+
+def test_yaw_feedback_lowers_the_error_that_the_page_says():
+    """Without and with the law; each run in a process of its own, where its method is registered."""
+    page = (ROOT / "docs" / "own_things.md").read_text()
+    said = re.search(r"falls from ([\d.]+) rad/s with equal torques to ([\d.]+)\.", page)
+    assert errors_of_yaw_rate("yaw_feedback", {}) == [*said.groups()]
+
+
+def errors_of_yaw_rate(module: str, *given: dict) -> list[str]:
+    """Errors in `double_lane_change` [rad/s]: with equal torques, and with the law of an example and these values."""
     code = (
-        "import yaw_moment, ev_sim; from ev_sim.measures.handling import yaw_rate_error as error\n"
-        "for name, values in (('equal_torque', {}), ('yaw_moment', {}), ('yaw_moment', {'control': 'sliding_mode'})):\n"
+        f"import {module}, ev_sim; from ev_sim.measures.handling import yaw_rate_error as error\n"
+        f"for name, values in (('equal_torque', {{}}), *(({module!r}, each) for each in {given!r})):\n"
         "    values = {f'electronic_differential.{key}': value for key, value in {'method': name, **values}.items()}\n"
         "    result = ev_sim.run('double_lane_change', set=values)\n"
         "    (run,) = result.runs.values()\n"
         "    print(round(error(run, result.summary().vehicle), 3))\n"
     )
-    found = subprocess.run(
-        [sys.executable, "-c", code], cwd=EXAMPLES, check=True, capture_output=True, text=True
-    ).stdout
+    command = [sys.executable, "-c", code]
+    return subprocess.run(command, cwd=EXAMPLES, check=True, capture_output=True, text=True).stdout.split()
+
+
+def test_yaw_moment_lowers_the_error_that_the_page_says():
+    """In a process of its own: methods that are registered are there for all other tests."""
+    found = errors_of_yaw_rate("yaw_moment", {}, {"control": "sliding_mode"})
     page = (ROOT / "docs" / "own_things.md").read_text()
     said = re.search(r"falls from ([\d.]+) rad/s \(equal torques\) to ([\d.]+) and ([\d.]+),", page)
-    assert found.split() == list(said.groups())
+    assert found == list(said.groups())
 
 
 @pytest.mark.parametrize(

@@ -105,7 +105,7 @@ class ShareParameters:
     share: float = parameter(0.5, unit="1", low=0.0, high=1.0, about="of the torques")
 
 
-@method("asr", "with_a_list", ShareParameters)
+@method("asr", "with_a_list")
 @compilable
 def with_a_list(p: ShareParameters, request: WheelTorqueRequest) -> WheelTorqueCommand:
     torque = [0.0, 0.0, 0.0, 0.0]

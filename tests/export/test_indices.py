@@ -26,9 +26,9 @@ class S:
     kept: list[float] = series(5, unit="N m")
     behind: float = entry(7.0, unit="1")
 
-@method("asr", "keeping", P, state=S)
+@method("asr", "keeping")
 @compilable
-def keeping(p, s, request: WheelTorqueRequest) -> WheelTorqueCommand:
+def keeping(p: P, s: S, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """Writes at any place of its five."""
     s.steps = s.steps + 1.0
     s.kept[int(p.at)] = request.drive.front_left

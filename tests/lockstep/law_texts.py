@@ -52,8 +52,8 @@ def load_files(parameters):
     return parameters
 
 
-@method("asr", "mine", P, state=S, prepare=prepare, start=start, notes=notes, needs=(need,), load_files=load_files)
-def mine(p, s, request: WheelTorqueRequest) -> WheelTorqueCommand:
+@method("asr", "mine", prepare=prepare, start=start, notes=notes, needs=(need,), load_files=load_files)
+def mine(p: P, s: S, request: WheelTorqueRequest) -> WheelTorqueCommand:
     pass  # step
     return WheelTorqueCommand(request.drive, request.brake)
 """

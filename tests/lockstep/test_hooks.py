@@ -55,7 +55,7 @@ def test_a_law_that_integrates_needs_outputs():
     with pytest.raises(
         TypeError, match="steering_column method lacking: a steering_column integrates, so its law needs"
     ):
-        method("steering_column", "lacking", NoParameters)(lacking)
+        method("steering_column", "lacking", parameters=NoParameters)(lacking)
     assert "lacking" not in methods_of("steering_column")
 
 

@@ -29,7 +29,7 @@ DECLARATIONS = {
 def test_a_law_declares_what_its_role_may_do(declared, tmp_path):
     """What would overwrite the plant's own signals offline, and be a stranger over DDS, is refused where it stands."""
     file = tmp_path / "my_law.py"
-    begin = FUNCTIONS.index("P, state=S") + len("P, state=S")
+    begin = FUNCTIONS.index('"mine"') + len('"mine"')
     end = FUNCTIONS.index(")\ndef mine")
     file.write_text(HEAD + FUNCTIONS[:begin] + ", " + declared + FUNCTIONS[end:])
     with pytest.raises(ParameterError, match=DECLARATIONS[declared]) as refused:
@@ -78,9 +78,9 @@ def notes(p):
     return (f"window {p.window:g}",)
 
 
-@method("asr", "mine", P, notes=notes)
+@method("asr", "mine", notes=notes)
 @compilable
-def mine(p, request: WheelTorqueRequest) -> WheelTorqueCommand:
+def mine(p: P, request: WheelTorqueRequest) -> WheelTorqueCommand:
     return WheelTorqueCommand(request.drive, request.brake)
 """
 )
@@ -112,9 +112,9 @@ def start(p):
     return Window([0.0] * int(p.window))
 
 
-@method("asr", "mine", P, state=Window, start=start)
+@method("asr", "mine", start=start)
 @compilable
-def mine(p, s, request: WheelTorqueRequest) -> WheelTorqueCommand:
+def mine(p: P, s: Window, request: WheelTorqueRequest) -> WheelTorqueCommand:
     s.samples[0] = request.drive.front_left
     return WheelTorqueCommand(request.drive, request.brake)
 """

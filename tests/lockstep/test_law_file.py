@@ -29,9 +29,9 @@ class LimitParameters:
     share: float = parameter(0.5, unit="1", low=0.0, high=1.0, about="of the requested torques")
 
 
-@method("asr", "NAME", LimitParameters)
+@method("asr", "NAME")
 @compilable
-def share(p, request: WheelTorqueRequest) -> WheelTorqueCommand:
+def share(p: LimitParameters, request: WheelTorqueRequest) -> WheelTorqueCommand:
     \"\"\"Let a share of the torques through.\"\"\"
     fl, fr, rl, rr = request.drive
     return WheelTorqueCommand(Wheels(SHARE * fl, SHARE * fr, SHARE * rl, SHARE * rr), request.brake)

@@ -27,9 +27,9 @@ class P:
     gain: float = parameter(1.0, unit="1", low=0.0, high=10.0, about="of nothing")
 """
 LAW = '''
-@method("asr", "{name}", P)
+@method("asr", "{name}")
 @compilable
-def {function}(p, request: WheelTorqueRequest) -> WheelTorqueCommand:
+def {function}(p: P, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """A law."""
     return WheelTorqueCommand(NO_WHEELS, request.brake)
 '''
@@ -41,9 +41,9 @@ class S:
 def shown(s):
     return BodyVelocity(s.speed, 0.0, 0.0)
 
-@method("plant", "cart", P, state=S, outputs=shown, writes=(BodyVelocity,))
+@method("plant", "cart", outputs=shown, writes=(BodyVelocity,))
 @compilable
-def cart(p, s, period, command: WheelTorqueCommand) -> None:
+def cart(p: P, s: S, period, command: WheelTorqueCommand) -> None:
     """A plant."""
     s.speed += period * 1.0 * command.drive.front_left
 '''

@@ -38,15 +38,15 @@ class S:
     steps: float = entry(unit="1")
 
 
-@method("{role}", "compiled", P, state=S)
+@method("{role}", "compiled")
 @compilable
-def compiled(p, s, instant: Instant) -> {signal}:
+def compiled(p: P, s: S, instant: Instant) -> {signal}:
     s.steps += 1.0
     return {answer}
 
 
-@method("{role}", "plain", P, state=S)
-def plain(p, s, instant: Instant) -> {signal}:
+@method("{role}", "plain")
+def plain(p: P, s: S, instant: Instant) -> {signal}:
     s.steps += 1.0
     return {answer}
 

@@ -207,7 +207,7 @@ def test_a_law_with_a_parameter_of_every_node_is_refused_when_it_is_registered(n
     own = make_dataclass("Own", [(name, float, parameter(1.0, unit="1", about="own"))], frozen=True)
     said = f"^asr method own: parameter {name} is refused: every node has one of this name, take another$"
     with pytest.raises(TypeError, match=said):
-        method("asr", "own", own)(lambda p: None)
+        method("asr", "own", parameters=own)(lambda p: None)
     assert "own" not in methods_of("asr")
 
 

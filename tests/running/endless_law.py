@@ -44,16 +44,16 @@ def passed_on(request: WheelTorqueRequest, x: float) -> WheelTorqueCommand:
     return WheelTorqueCommand(Wheels(left, drive.front_right, drive.rear_left, drive.rear_right), request.brake)
 
 
-@method("asr", "forever", P)
+@method("asr", "forever")
 @compilable
-def forever(p, request: WheelTorqueRequest) -> WheelTorqueCommand:
+def forever(p: P, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """Never returns once the car has to drive."""
     return passed_on(request, p.n if request.drive.front_left > 20.0 else 0.0)
 
 
-@method("asr", "late", P, state=S)
+@method("asr", "late")
 @compilable
-def late(p, s, request: WheelTorqueRequest) -> WheelTorqueCommand:
+def late(p: P, s: S, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """Keeps the contract for as long as that is checked, and the time of a study is estimated."""
     s.steps = s.steps + 1.0
     is_driven = request.drive.front_left + request.drive.rear_left > 20.0

@@ -82,7 +82,7 @@ def inputs(car: Car, speed: float, angle: float, yaw_rate: float, lateral_accele
     )
 
 
-@method("electronic_differential", "learned", PolicyParameters, prepare=prepare, mirrored=True)
+@method("electronic_differential", "learned", prepare=prepare, mirrored=True)
 @compilable
 def learned(
     p: PolicyParameters,

@@ -6,9 +6,10 @@
   `until_served`; by thresholds: `SlipThresholdParameters`
 - those that set the speed of a drive: `SpeedSetPointParameters`, `SpeedSetPointWheel`, `forget_set_point`, `moved`
 - what is known of a wheel: `slip_of`, `observed_slip`, `slowest_wheel`, `share_at`, `road_torque`
-- differentials: `split` gives the wheel torques by the driver's and a difference, `split_brake` the brake torques, both
-  with `BrakeSplitParameters`; `allocated` keeps to what motors and battery can give, with `AllocationParameters` and
-  the need `own_motors_to_allocate`
+- differentials: `differential` makes a method of a law; `split` gives the wheel torques by the
+  driver's and a difference, `split_brake` the brake torques, both with `BrakeSplitParameters`;
+  `allocated` keeps to what motors and battery can give, with `AllocationParameters` and the need
+  `own_motors_to_allocate`
 - first-order filters: `Filtered`, `filter_share`, `follow`, `forget_filtered`
 """
 
@@ -27,7 +28,7 @@ from ev_control.estimation.wheel_dynamics import (
 )
 from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.limp_mode import LimpModeParameters
-from ev_control.shared.torque_split import BrakeSplitParameters, split, split_brake
+from ev_control.shared.torque_split import BrakeSplitParameters, differential, split, split_brake
 from ev_control.shared.traction_control import LimitedWheel, traction_control
 from ev_control.shared.wheel_regulation import (
     RegulatedWheel,

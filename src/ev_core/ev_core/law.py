@@ -1,6 +1,6 @@
 """All that the author of a law needs, by one import: `from ev_core.law import method, parameter, compilable, ...`.
 
-- to declare a method: `method`; its parameters: `parameter`, `setting`, `group`, `ParameterError`
+- to declare a method: `method`; its parameters: `parameter`, `setting`, `group`, `ParameterError`; a `Choice`
 - state, records of numbers: `entry`, `per_wheel`, `series`, `part`, `each_wheel`, and `row` of `Place` and
   `wheel_places`; within a step: `working_memory` of a `memory_type`
 - marks of what may run compiled: `compilable`, `inlined`
@@ -18,7 +18,7 @@ Nothing in ev_core imports this module: it is a door from outside.
 
 from ev_core.elementary import *  # as its __all__ lists them
 from ev_core.methods.register import method
-from ev_core.parameters.declaration import group, parameter, setting
+from ev_core.parameters.declaration import Choice, group, parameter, setting
 from ev_core.parameters.record import (
     Place,
     each_wheel,

@@ -24,7 +24,7 @@ class OuterWheelParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "outer_wheel", OuterWheelParameters, needs=(FRONT_WHEELS_DRIVEN,), mirrored=True)
+@method("electronic_differential", "outer_wheel", needs=(FRONT_WHEELS_DRIVEN,), mirrored=True)
 @compilable
 def outer_wheel(
     p: OuterWheelParameters, car: Car, driver: DriverCommand, column: SteeringColumnState

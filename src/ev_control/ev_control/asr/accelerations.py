@@ -29,7 +29,7 @@ class RatioWheel(LimitedWheel):
     accelerations: criterion.Accelerations = part(criterion.Accelerations)
 
 
-@traction_control("acceleration_ratio", AccelerationRatioParameters, RatioWheel)
+@traction_control("acceleration_ratio")
 @compilable
 def acceleration_ratio(
     p: AccelerationRatioParameters, car: Car, w: RatioWheel, period: float, motion: WheelMotion, wanted: float
@@ -110,9 +110,7 @@ def own_motors_to_limit_always(parameters: TransmissibleParameters, vehicle: Veh
     return "a motor for each driven wheel for limits always"
 
 
-@traction_control(
-    "maximum_transmissible_torque", TransmissibleParameters, TransmissibleWheel, needs=(own_motors_to_limit_always,)
-)
+@traction_control("maximum_transmissible_torque", needs=(own_motors_to_limit_always,))
 @compilable
 def maximum_transmissible_torque(
     p: TransmissibleParameters, car: Car, w: TransmissibleWheel, period: float, motion: WheelMotion, wanted: float

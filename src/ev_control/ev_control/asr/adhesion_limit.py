@@ -43,7 +43,7 @@ def forget_limit(p: AdhesionLimitParameters, w: AdhesionLimitWheel) -> None:
     w.friction = p.largest_friction
 
 
-@traction_control("adhesion_limit", AdhesionLimitParameters, AdhesionLimitWheel, forget_limit)
+@traction_control("adhesion_limit", forget_limit)
 @compilable
 def adhesion_limit(
     p: AdhesionLimitParameters, car: Car, w: AdhesionLimitWheel, period: float, motion: WheelMotion, wanted: float
@@ -109,7 +109,7 @@ def forget_road(p: ExpectedSignalParameters, w: ExpectedSignalWheel) -> None:
     w.friction = p.largest_friction
 
 
-@traction_control("expected_signal", ExpectedSignalParameters, ExpectedSignalWheel, forget_road)
+@traction_control("expected_signal", forget_road)
 @compilable
 def expected_signal(
     p: ExpectedSignalParameters, car: Car, w: ExpectedSignalWheel, period: float, motion: WheelMotion, wanted: float

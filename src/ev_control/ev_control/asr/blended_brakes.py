@@ -79,8 +79,6 @@ def brakes_to_blend(_parameters: BlendedBrakesParameters, vehicle: Vehicle) -> s
 @method(
     "asr",
     "blended_brakes",
-    BlendedBrakesParameters,
-    state=BlendedBrakesState,
     needs=(each_driven, brakes_to_blend),
     mirrored=True,
 )

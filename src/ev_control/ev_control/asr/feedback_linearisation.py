@@ -30,9 +30,7 @@ class LinearisationWheel(RegulatedWheel):
     body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
 
 
-@traction_control(
-    "feedback_linearisation", LinearisationParameters, LinearisationWheel, reference="regulator.reference"
-)
+@traction_control("feedback_linearisation", reference="regulator.reference")
 @compilable
 def feedback_linearisation(
     p: LinearisationParameters, car: Car, w: LinearisationWheel, period: float, motion: WheelMotion, wanted: float
@@ -90,7 +88,7 @@ class ModifiedLambdaWheel(RegulatedWheel):
     body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
 
 
-@traction_control("modified_lambda", ModifiedLambdaParameters, ModifiedLambdaWheel, reference="regulator.reference")
+@traction_control("modified_lambda", reference="regulator.reference")
 @compilable
 def modified_lambda(
     p: ModifiedLambdaParameters, car: Car, w: ModifiedLambdaWheel, period: float, motion: WheelMotion, wanted: float

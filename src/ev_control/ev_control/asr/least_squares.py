@@ -72,7 +72,7 @@ class LeastSquaresWheel(LimitedWheel):
     served: float = entry(unit="s", about="since when the limit is above the request")
 
 
-@traction_control("least_squares", LeastSquaresParameters, LeastSquaresWheel)
+@traction_control("least_squares")
 @compilable
 def least_squares(
     p: LeastSquaresParameters, car: Car, w: LeastSquaresWheel, period: float, motion: WheelMotion, wanted: float
@@ -145,7 +145,7 @@ class LiteralFitWheel(LimitedWheel):
     previous: float = entry(unit="N m", about="torque of the previous step")
 
 
-@traction_control("least_squares_literal", LiteralFitParameters, LiteralFitWheel)
+@traction_control("least_squares_literal")
 @compilable
 def least_squares_literal(
     p: LiteralFitParameters, car: Car, w: LiteralFitWheel, period: float, motion: WheelMotion, wanted: float

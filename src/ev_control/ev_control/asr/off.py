@@ -9,12 +9,7 @@ from ev_core.law import Car, WheelStates, WheelTorqueCommand, WheelTorqueRequest
 from ev_core.vehicle.car import each_driven, equal_motors
 
 
-@dataclass(frozen=True, slots=True)
-class OffParameters:
-    """Nothing to choose."""
-
-
-@method("asr", "off", OffParameters, mirrored=True)
+@method("asr", "off", mirrored=True)
 @compilable
 def off(request: WheelTorqueRequest) -> WheelTorqueCommand:
     """Let the requested wheel torques through unchanged."""
@@ -35,7 +30,7 @@ class LimpHomeState:
     motors: LostMotors = part(LostMotors)
 
 
-@method("asr", "limp_home", LimpHomeParameters, state=LimpHomeState, needs=(each_driven, equal_motors), mirrored=True)
+@method("asr", "limp_home", needs=(each_driven, equal_motors), mirrored=True)
 @compilable
 def limp_home(
     p: LimpHomeParameters, car: Car, s: LimpHomeState, period: float, request: WheelTorqueRequest, wheels: WheelStates

@@ -28,7 +28,7 @@ class PiSlipWheel(RegulatedWheel):
     integral: float = entry(unit="N m", about="integral part of the limit")
 
 
-@traction_control("pi_slip", PiSlipParameters, PiSlipWheel, reference="regulator.reference")
+@traction_control("pi_slip", reference="regulator.reference")
 @compilable
 def pi_slip(p: PiSlipParameters, car: Car, w: PiSlipWheel, period: float, motion: WheelMotion, wanted: float) -> float:
     """Bring the slip of each wheel to its target by proportional and integral action.
@@ -87,7 +87,7 @@ class FuzzyWheel(RegulatedWheel):
     slip: Filtered = part(Filtered)  # [1]; its lag is the rate
 
 
-@traction_control("fuzzy", FuzzyParameters, FuzzyWheel, reference="regulator.reference")
+@traction_control("fuzzy", reference="regulator.reference")
 @compilable
 def fuzzy(p: FuzzyParameters, car: Car, w: FuzzyWheel, period: float, motion: WheelMotion, wanted: float) -> float:
     """Move the limit by nine rules about the slip error and the rate of the slip.

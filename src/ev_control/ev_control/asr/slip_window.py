@@ -39,7 +39,7 @@ class SlipWindowWheel(LimitedWheel):
     side_force: SlipAngleObserverState = part(SlipAngleObserverState)
 
 
-@traction_control("slip_window", SlipWindowParameters, SlipWindowWheel)
+@traction_control("slip_window")
 @compilable
 def slip_window(
     p: SlipWindowParameters, car: Car, w: SlipWindowWheel, period: float, motion: WheelMotion, wanted: float
@@ -83,7 +83,7 @@ class HeldTorqueWheel(LimitedWheel):
     held: float = entry(inf, unit="N m", about="torque of the last step in which the slip was not beyond its range")
 
 
-@traction_control("held_torque", HeldTorqueParameters, HeldTorqueWheel)
+@traction_control("held_torque")
 @compilable
 def held_torque(
     p: HeldTorqueParameters, car: Car, w: HeldTorqueWheel, period: float, motion: WheelMotion, wanted: float

@@ -24,7 +24,7 @@ class RatioSetPointWheel(SpeedSetPointWheel):
     accelerations: Accelerations = part(Accelerations)
 
 
-@traction_control("speed_by_acceleration_ratio", RatioSetPointParameters, RatioSetPointWheel, speed_mode=True)
+@traction_control("speed_by_acceleration_ratio", speed_mode=True)
 @compilable
 def speed_by_acceleration_ratio(
     p: RatioSetPointParameters, car: Car, w: RatioSetPointWheel, period: float, motion: WheelMotion, wanted: float
@@ -46,7 +46,7 @@ class SpeedBySlipParameters(SpeedSetPointParameters):
     thresholds: SlipThresholdParameters = group(SlipThresholdParameters)
 
 
-@traction_control("speed_by_slip", SpeedBySlipParameters, SpeedSetPointWheel, speed_mode=True)
+@traction_control("speed_by_slip", speed_mode=True)
 @compilable
 def speed_by_slip(
     p: SpeedBySlipParameters, car: Car, w: SpeedSetPointWheel, period: float, motion: WheelMotion, wanted: float
@@ -95,7 +95,7 @@ class SpeedCorridorParameters(SpeedSetPointParameters):
     reverse: Corridor = group(Corridor, low=0.03, high=0.1)
 
 
-@traction_control("speed_corridor", SpeedCorridorParameters, SpeedSetPointWheel, speed_mode=True)
+@traction_control("speed_corridor", speed_mode=True)
 @compilable
 def speed_corridor(
     p: SpeedCorridorParameters, car: Car, w: SpeedSetPointWheel, period: float, motion: WheelMotion, wanted: float

@@ -136,8 +136,6 @@ def prepare(parameters: DirectYawMomentParameters, vehicle: Vehicle, period: flo
 
 @differential(
     "direct_yaw_moment",
-    DirectYawMomentParameters,
-    state=DirectYawMomentState,
     start=lambda p: DirectYawMomentState(known=unknown_motion(p.known)),
     prepare=prepare,
     needs=(an_axle_with_motors,),

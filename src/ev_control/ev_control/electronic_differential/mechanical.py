@@ -19,14 +19,14 @@ class EqualTorqueParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@differential("equal_torque", EqualTorqueParameters, needs=(any_driven,))
+@differential("equal_torque", needs=(any_driven,))
 @compilable
 def equal_torque(p: EqualTorqueParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
     """Give every driven wheel the same share of the drive torque, for any layout."""
     return split(p.brake, car, driver, 0.0)
 
 
-@differential("open_differential", EqualTorqueParameters, needs=(any_driven, equal_motors))
+@differential("open_differential", needs=(any_driven, equal_motors))
 @compilable
 def open_differential(p: EqualTorqueParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
     """Equal torques left and right as behind a mechanical differential, whose wheels cannot get more than both grip.
@@ -91,7 +91,7 @@ class LimitedSlipParameters:
     allocation: AllocationParameters = group(AllocationParameters)
 
 
-@differential("limited_slip", LimitedSlipParameters, needs=(each_driven, own_motors_to_allocate))
+@differential("limited_slip", needs=(each_driven, own_motors_to_allocate))
 @compilable
 def limited_slip(p: LimitedSlipParameters, car: Car, driver: DriverCommand, wheels: WheelStates) -> WheelTorqueRequest:
     """Give the slower wheel of each driven axle K times the torque of the faster one.
@@ -130,7 +130,7 @@ class LimitedSlipVariableParameters:
     allocation: AllocationParameters = group(AllocationParameters)
 
 
-@differential("limited_slip_variable", LimitedSlipVariableParameters, needs=(each_driven, own_motors_to_allocate))
+@differential("limited_slip_variable", needs=(each_driven, own_motors_to_allocate))
 @compilable
 def limited_slip_variable(
     p: LimitedSlipVariableParameters, car: Car, driver: DriverCommand, wheels: WheelStates
@@ -188,7 +188,7 @@ class AdaptiveState:
     refused: list[float] = per_wheel(unit="N m", about="how much of it was refused")
 
 
-@differential("adaptive", AdaptiveParameters, state=AdaptiveState, needs=(each_driven, own_motors_to_allocate))
+@differential("adaptive", needs=(each_driven, own_motors_to_allocate))
 @compilable
 def adaptive(
     p: AdaptiveParameters,

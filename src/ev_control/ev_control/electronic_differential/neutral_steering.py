@@ -146,8 +146,6 @@ class AxleRedistributionState:
 
 @differential(
     "axle_redistribution",
-    AxleRedistributionParameters,
-    state=AxleRedistributionState,
     start=lambda p: AxleRedistributionState(front_slides=1.0 if p.first_branch == FRONT_BRANCH else 0.0),
     needs=(ALL_WHEELS_DRIVEN,),
 )

@@ -117,8 +117,6 @@ class SlipTargetState:
 
 @differential(
     "slip_target",
-    SlipTargetParameters,
-    state=SlipTargetState,
     needs=(REAR_WHEELS_DRIVEN, only_driven("rear_left", "rear_right")),
 )
 @compilable
@@ -211,8 +209,6 @@ class WheelSpeedState:
 @method(
     "electronic_differential",
     "wheel_speed",
-    WheelSpeedParameters,
-    state=WheelSpeedState,
     needs=(REAR_WHEELS_DRIVEN, only_driven("rear_left", "rear_right")),
     mirrored=True,
 )

@@ -27,7 +27,7 @@ class PowerSteeringParameters(AssistanceParameters):
     allocation: AllocationParameters = group(AllocationParameters)
 
 
-@differential("power_steering", PowerSteeringParameters, needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate))
+@differential("power_steering", needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate))
 @compilable
 def power_steering(
     p: PowerSteeringParameters, car: Car, driver: DriverCommand, column: SteeringColumnState, wheels: WheelStates
@@ -60,7 +60,6 @@ class DriveByWireParameters:
 
 @differential(
     "drive_by_wire",
-    DriveByWireParameters,
     needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate),
     requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well,
 )
@@ -110,8 +109,6 @@ class SteerByWireState:
 
 @differential(
     "steer_by_wire",
-    SteerByWireParameters,
-    state=SteerByWireState,
     needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate),
     requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well,
 )
@@ -205,7 +202,6 @@ class CourseStabilityParameters(AssistanceParameters):
 @method(
     "electronic_differential",
     "course_stability",
-    CourseStabilityParameters,
     needs=(FRONT_WHEELS_DRIVEN, only_driven("front_left", "front_right")),
     mirrored=True,
 )

@@ -52,7 +52,7 @@ def prepare(parameters: LoadShareParameters, vehicle: Vehicle, _period: float) -
     return Prepared(tuple(f if name in vehicle.driven_wheels else 0.0 for name, f in by_name))
 
 
-@differential("load_proportional", LoadShareParameters, prepare=prepare, needs=(each_driven, own_motors_to_allocate))
+@differential("load_proportional", prepare=prepare, needs=(each_driven, own_motors_to_allocate))
 @compilable
 def load_proportional(
     p: LoadShareParameters, car: Car, c: Prepared, driver: DriverCommand, imu: InertialMeasurement, wheels: WheelStates
@@ -109,8 +109,6 @@ class AdhesionShareState:
 
 @differential(
     "adhesion_share",
-    AdhesionShareParameters,
-    state=AdhesionShareState,
     start=lambda p: AdhesionShareState(friction_estimate.unknown_road(p.estimate)),
     needs=(each_driven, free_wheels_for("estimate.reference"), own_motors_to_allocate),
 )
@@ -205,9 +203,7 @@ def corrected_axle_driven(parameters: SteeringCorrectionParameters, vehicle: Veh
     return front_lacks if is_front else REAR_WHEELS_DRIVEN(parameters, vehicle)
 
 
-@differential(
-    "steering_correction", SteeringCorrectionParameters, needs=(corrected_axle_driven, own_motors_to_allocate)
-)
+@differential("steering_correction", needs=(corrected_axle_driven, own_motors_to_allocate))
 @compilable
 def steering_correction(
     p: SteeringCorrectionParameters, car: Car, driver: DriverCommand, column: SteeringColumnState, wheels: WheelStates

@@ -152,8 +152,6 @@ def notes(s: LockstepGateway) -> tuple[str, ...]:
 @method(
     "inverter_gateway",
     "can",
-    LockstepGatewayParameters,
-    state=LockstepGateway,
     prepare=prepare,
     start=at_start,
     notes=notes,

@@ -6,7 +6,7 @@ Here stands which wheels are limited, when torques pass, what is measured, and w
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, get_type_hints
 
 from ev_control.estimation import reference_speed
 from ev_control.estimation.plausible import is_plausible
@@ -204,8 +204,6 @@ HOMES = {"reference": itself, "regulator.reference": its_regulator}
 
 def traction_control(
     name: str,
-    parameters: type,
-    wheel: type,
     forget: Callable[..., None] | None = None,
     reference: str = "reference",
     speed_mode: bool = False,
@@ -213,11 +211,12 @@ def traction_control(
 ) -> Callable[[L], L]:
     """Register the law of one wheel as a method of the asr, under its docstring.
 
-    The law is `(p, car, wheel, period, motion, wanted)` and gives the largest torque of the wheel [N m], as
-    `watch` says. `wheel` is the record of what it knows of a wheel, a LimitedWheel with more; it is put back to its
-    start by `forget(p, wheel)`, without one by its declaration. `reference` names the parameters of the reference
-    speed among its own, and `limp` beside them are those of the limp mode. The method runs compiled if law and
-    `forget` are compilable.
+    The law is `(p, car, w, period, motion, wanted)` and gives the largest torque of the wheel
+    [N m], as `watch` says. The annotation of `p` names its parameters, that of `w` the record of a
+    wheel, a LimitedWheel with more; it is put back to its start by `forget(p, w)`, without one by
+    its declaration. `reference` names the parameters of the reference speed among its own, and
+    `limp` beside them are those of the limp mode. The method runs compiled if law and `forget` are
+    compilable.
 
     With `speed_mode` the law gives the largest speed of the wheel [rad/s] for drives in speed mode, as
     `set_points` says, and has no limp mode. `needs` are what it asks of the vehicle besides.
@@ -231,9 +230,11 @@ def traction_control(
         how = {"writes": (signals.WheelTorqueCommand, WheelSpeedCommand), "requires": {"plant": "planar_speed_mode"}}
     else:
         lacks = (*lacks, limp_mode_for(f"{reference.rpartition('.')[0]}.limp".lstrip(".")))
-    begin = forget or _beginning(wheel)
 
     def register(limit_of: L) -> L:
+        wheel = get_type_hints(limit_of)["w"]
+        begin = forget or _beginning(wheel)
+
         @dataclass(slots=True)
         class State:
             """What lasts between steps."""
@@ -264,7 +265,8 @@ def traction_control(
         named_after(law, limit_of)
         if limit_of in FUNCTIONS and begin in FUNCTIONS:
             compilable(law)
-        method("asr", name, parameters, state=State, start=start, needs=lacks, mirrored=True, **how)(law)
+        parameters = get_type_hints(limit_of)["p"]
+        method("asr", name, parameters=parameters, state=State, start=start, needs=lacks, mirrored=True, **how)(law)
         return limit_of
 
     return register

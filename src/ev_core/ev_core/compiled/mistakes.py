@@ -136,7 +136,7 @@ def _wrong(function: FunctionType, arguments: tuple[str, ...]) -> Iterator[tuple
             case ast.Call(func=ast.Name(id="str" | "repr" | "format" as name)):
                 yield node, f"{name} makes a text, expected numbers"
             case ast.Compare() if any(_is_text(each) for each in (node.left, *node.comparators)):
-                yield node, "a number is compared with a text, expected the place of a choice among the choices"
+                yield node, "a choice is compared with a text, expected a member of its Choice"
             case ast.Subscript(value=ast.Name(id=name), slice=ast.Constant(value=str(key))) if name in arguments:
                 yield node, f'{name}["{key}"] is not known, write {name}.{key}'
             case ast.arguments(vararg=ast.arg() as many) | ast.arguments(kwarg=ast.arg() as many):

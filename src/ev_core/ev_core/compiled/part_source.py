@@ -24,11 +24,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import is_dataclass
 from functools import cache
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 
-from ev_core.methods.law import Given, Law, given_names
+from ev_core.methods.law import Given, Law, asked_for, given_names, signals_in
 from ev_core.methods.law_error import kind_of
 from ev_core.methods.part import without_sign
 from ev_core.methods.register import Method
@@ -225,10 +225,9 @@ def _part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
         lines.append("s = carray(state, 1, STATE)[0]")
     reading = [f"here = carray(now, {frame.SIZE}, FLOAT)"]
     arguments = list(given_names(law.function))
-    for signal in method.reads:
-        names[signal.__name__] = signal
+    for asked in asked_for(law.function):
         argument = f"signal_{len(arguments)}"
-        reading.append(f"{argument} = {_reading(signal)}")
+        reading.append(f"{argument} = {_made(asked, names)}")
         arguments.append(argument)
     call = f"law({', '.join(arguments)})"
     if ROLES[method.role].kind is RoleKind.INTEGRATES:
@@ -269,6 +268,15 @@ def _part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
 
 def _indented(lines: list[str]) -> list[str]:
     return [f"    {line}" for line in lines]
+
+
+def _made(asked: type, names: dict[str, Any]) -> str:
+    """The expression that makes an argument, a signal or a NamedTuple of signals, of the frame `here`."""
+    names[asked.__name__] = asked
+    if signals_in(asked) == (asked,):
+        return _reading(asked)
+    fields = [_made(each, names) for each in get_type_hints(asked).values()]
+    return f"{asked.__name__}({', '.join(fields)})"
 
 
 @cache

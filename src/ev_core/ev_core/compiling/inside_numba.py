@@ -156,6 +156,20 @@ def make_memory_known() -> None:
         return array._getvalue()
 
 
+# No touch, for numba offers it: a choice, an enum, is compared with a parameter, a float.
+
+
+@cache
+def make_choices_known() -> None:
+    """Let numba turn a member of an `IntEnum` into a float, as Python does."""
+    from numba import types
+    from numba.extending import lower_cast
+
+    @lower_cast(types.IntEnumMember, types.Float)
+    def _as_float(context: Any, builder: Any, kind: Any, to: Any, value: Any) -> Any:
+        return context.cast(builder, value, kind.dtype, to)
+
+
 # checks: what a function with `boundscheck` calls checks its indices as well. Plain: every function does, more slowly.
 
 

@@ -195,6 +195,7 @@ def _make_known() -> None:
         )
     )
     inside_numba.make_memory_known()
+    inside_numba.make_choices_known()
     inside_numba.make_checks_reach_callees()
 
 

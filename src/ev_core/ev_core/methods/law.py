@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
-from functools import cache, lru_cache, partial
+from functools import cache, lru_cache, partial, wraps
 from types import MappingProxyType, SimpleNamespace
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_type_hints
 
 from ev_core.methods.law_error import WrongResultError, named
 from ev_core.parameters.declaration import number_tree
@@ -15,12 +15,20 @@ from ev_core.parameters.record import entries_without_number, fill, names, numbe
 from ev_core.vehicle.car import car_numbers
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.compilable import FUNCTIONS
+from ev_msgs_py.contract.frame import PLACES
+from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.refusal import shown, unknown_name
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-# What the functions of a law may ask for by the names of their first arguments; the signals follow.
+# What the functions of a law may ask for by the names of their first arguments; the signals follow, each as an argument
+# or several as one NamedTuple.
 GIVEN = ("p", "car", "c", "s", "period")
+
+
+@dataclass(frozen=True, slots=True)
+class NoParameters:
+    """Nothing to choose."""
 
 
 @dataclass(slots=True)
@@ -32,10 +40,11 @@ class NoState:
 class Law:
     """A method as functions; its first arguments name what they need of
 
-    - `p`: the numbers of the parameters, groups nested, a choice as its place among the choices, a switch as 0 or 1,
+    - `p`: the numbers of the parameters, groups nested, a choice as its place among the choices, a switch as 0 or 1;
+      its annotation is the parameter dataclass,
     - `car`: the numbers of the vehicle (`car.car_numbers`),
     - `c`: what `prepare(parameters, vehicle, period)` made, a named tuple of numbers, tuples of numbers and such,
-    - `s`: the state, a declared record, to be changed in place,
+    - `s`: the state, a declared record, to be changed in place; its annotation is the record,
     - `period`: the control period [s].
 
     `function` gives the answer of a role that answers, and advances the state of one that integrates, whose `outputs`
@@ -95,13 +104,57 @@ def given_names(function: Callable[..., Any]) -> tuple[str, ...]:
     return asked[:count]
 
 
-def declared_law(who: str, function: Callable[..., Any], parameters: type, how: Mapping[str, Any]) -> Law:
-    """The law of a declaration; TypeError, in one line that `who` begins, for what it cannot be made of."""
-    known = tuple(each.name for each in fields(Law))[2:]
+@cache
+def asked_for(function: Callable[..., Any]) -> tuple[type, ...]:
+    """The types of the arguments that a function of a law has besides `GIVEN`: signals, and NamedTuples of signals."""
+    hints, given = get_type_hints(function), given_names(function)
+    return tuple(hints.get(name, Any) for name in inspect.signature(function).parameters if name not in given)
+
+
+def signals_in(asked: type) -> tuple[type, ...]:
+    """The signals that an argument of this type carries: itself, or those of the fields of a NamedTuple."""
+    if asked in PLACES or asked is Instant or not hasattr(asked, "_fields"):
+        return (asked,)
+    return tuple(signal for each in get_type_hints(asked).values() for signal in signals_in(each))
+
+
+def _record_of(asked: type, signals: Iterator[Any]) -> Any:
+    """The next signal, or the NamedTuple that the next signals make up."""
+    if signals_in(asked) == (asked,):
+        return next(signals)
+    return asked(*(_record_of(each, signals) for each in get_type_hints(asked).values()))
+
+
+def with_single_signals(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function of a law as one that takes each signal by itself."""
+    asked, given = asked_for(function), len(given_names(function))
+    if all(signals_in(each) == (each,) for each in asked):
+        return function
+
+    @wraps(function)
+    def step(*arguments: Any) -> Any:
+        signals = iter(arguments[given:])
+        return function(*arguments[:given], *(_record_of(each, signals) for each in asked))
+
+    return step
+
+
+def declared_law(who: str, function: Callable[..., Any], how: Mapping[str, Any]) -> Law:
+    """The law of a declaration; TypeError, in one line that `who` begins, for what it cannot be made of.
+
+    Parameters and state are what the annotations of `p` and `s` name, unless `how` has them, as for a function that
+    another function makes.
+    """
+    known = tuple(each.name for each in fields(Law))[1:]
     for name in how:
         if name not in known:
             raise TypeError(f"{who}: {unknown_name('argument', name, known)}")
-    law = Law(function, parameters, **how)
+    hints = get_type_hints(function)
+    for name, part, made in (("p", "parameters", "parameter(...)"), ("s", "state", "entry(...)")):
+        if name in given_names(function) and name not in hints and part not in how:
+            raise TypeError(f"{who}: {name} has no annotation, expected the dataclass of its {part}, made of {made}")
+    annotated = {"parameters": hints.get("p", NoParameters), "state": hints.get("s", NoState)}
+    law = Law(function, **{**annotated, **how})
     state = law.state
     if not isinstance(state, type) or not is_dataclass(state):
         raise TypeError(f"{who}: state={shown(state)} is refused, expected a class marked @dataclass(slots=True)")
@@ -113,9 +166,8 @@ def declared_law(who: str, function: Callable[..., Any], parameters: type, how: 
     if not isinstance(law.needs, tuple | list):
         raise TypeError(f"{who}: needs= is no tuple, write needs=(...,)")
     asked = inspect.signature(function).parameters
-    for name, there, argument in (("s", state is not NoState or law.start, "state"), ("c", law.prepare, "prepare")):
-        if name in asked and not there:
-            raise TypeError(f"{who}: {name} is asked for and not made, declare {argument}=")
+    if "c" in asked and not law.prepare:
+        raise TypeError(f"{who}: c is asked for and not made, declare prepare=")
     for hook in filter(None, (law.outputs, law.notes, law.start)):
         given = [name for name in GIVEN if name != "s" or hook is not law.start]
         for each in inspect.signature(hook).parameters.values():
@@ -165,7 +217,7 @@ class LawObject:
         given = Given(law, parameters, vehicle, period)
         self.given = given.values
         self._record = given.values["s"]
-        self.step = self.advance = given.bound(law.function)
+        self.step = self.advance = given.bound(with_single_signals(law.function))
         if law.outputs is not None:
             self._outputs = given.bound(law.outputs)
             self._single = law.writes is None or len(law.writes) == 1

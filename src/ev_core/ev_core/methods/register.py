@@ -14,7 +14,7 @@ from typing import Any, TypeVar, get_type_hints
 
 from ev_core.faults.fault import FaultParameters
 from ev_core.methods.hooks import refuse_lacking, refuse_wrong_declaration
-from ev_core.methods.law import Law, declared_law, given_names
+from ev_core.methods.law import Law, declared_law, given_names, signals_in
 from ev_core.methods.law_error import in_law
 from ev_core.parameters.data_file import entry_points
 from ev_core.parameters.declaration import entries, group, setting
@@ -169,12 +169,12 @@ class Method:
         return (inspect.getdoc(self.documented) or "").partition("\n")[0]
 
 
-def method(role: str, name: str, parameters: type | None = None, **how: Any) -> Callable[[T], T]:
+def method(role: str, name: str, **how: Any) -> Callable[[T], T]:
     """Register a class or a function as a method of a role.
 
     A class has the hooks of `methods.hooks`: by the kind of its role those of `Answering` or `Integrating`, and what it
-    declares and offers besides. A function comes with its parameter dataclass and, in `how`, what else
-    `lockstep.law.Law` has.
+    declares and offers besides. A function is the law itself; the annotations of `p` and `s` name its parameter
+    dataclass and its state, and `how` has what else belongs to a `methods.law.Law`.
 
     The annotations of `step`, `advance` or the function name the signals that are read; TypeError if there is no such
     role, if it may not read one of them, if a hook is missing, if another method has its name, or if a parameter has
@@ -186,8 +186,9 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
     def register(defined: T) -> T:
         factory: Any = defined
         who = f"{role} method {name}"
-        if parameters is not None:
-            factory = declared_law(who, factory, parameters, how)
+        is_law = not isinstance(defined, type)
+        if is_law:
+            factory = declared_law(who, factory, how)
             if factory.outputs is None and ROLES[role].kind is RoleKind.INTEGRATES:
                 raise TypeError(f"{who}: a {role} integrates, so its law needs outputs=")
         else:
@@ -197,11 +198,13 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
         hook = "advance" if ROLES[role].kind is RoleKind.INTEGRATES else "step"
         function = factory.function if isinstance(factory, Law) else getattr(factory, hook)
         hints = get_type_hints(function)
-        given = given_names(function) if parameters is not None else ("self",)
+        given = given_names(function) if is_law else ("self",)
         arguments = [name for name in inspect.signature(function).parameters if name not in given]
         if bare := [name for name in arguments if name not in hints]:
             raise TypeError(f"{who}: argument {bare[0]} has no annotation that names its signal")
-        reads = tuple(hints[name] for name in arguments)
+        reads: tuple[Any, ...] = ()
+        for argument in arguments:
+            reads += signals_in(hints[argument]) if is_law else (hints[argument],)
         for signal in reads:
             if signal is not Instant and signal not in ROLES[role].reads:
                 asked = getattr(signal, "__name__", signal)

@@ -8,12 +8,40 @@ import types
 import typing
 from collections.abc import Iterator
 from dataclasses import Field, dataclass, field, fields, is_dataclass
+from enum import IntEnum
 from functools import cache
 from typing import Any, TypeVar
 
 P = TypeVar("P")
 _SPEC = "parameter"
 _ASSUMED = "assumption"  # the source that is reproduced gives no value
+
+
+class Choice(IntEnum):
+    """What a parameter may be: one of the members, numbered from zero in their order.
+
+    Files, commands and ROS give a member by its name in small letters. A law compares with the member,
+    `p.keep == Keep.SUM`, in Python and compiled alike.
+    """
+
+    @staticmethod
+    def _generate_next_value_(name: str, start: int, count: int, last_values: list[Any]) -> int:
+        return count
+
+    @property
+    def text(self) -> str:
+        """The name outside of Python."""
+        return self.name.lower()
+
+    @classmethod
+    def of(cls, text: str) -> "Choice":
+        """The member with this name."""
+        return cls[text.upper()]
+
+    @classmethod
+    def texts(cls) -> tuple[str, ...]:
+        """The names of all members."""
+        return tuple(member.text for member in cls)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +81,10 @@ def parameter(default: Any, *, about: str, source: str = _ASSUMED, **more: Any) 
     `low` and `high` are inclusive and in `unit` (SI, "1" for a pure number, empty for text and switches); for an array
     they hold for each element. `source` is where the default comes from. `read_only` parameters are fixed when a node
     starts. When left and right are exchanged, `lateral` parameters change their sign, and arrays `per_wheel` their
-    order. Parameters `own` are declared by `own`.
+    order. Parameters `own` are declared by `own`. A default that is a `Choice` declares what else may be chosen.
     """
+    if isinstance(default, Choice):
+        more["choices"] = type(default).texts()
     return field(default=default, metadata={_SPEC: Spec(about, source=source, **more)})
 
 
@@ -107,6 +137,9 @@ def _entries(of: Any, prefix: str) -> Iterator[Entry]:
         if is_dataclass(value):
             yield from _entries(value, f"{prefix}{f.name}.")
             continue
+        if isinstance(value, Choice):
+            yield Entry(prefix + f.name, str, False, value.text, f.metadata[_SPEC])
+            continue
         element, is_array = _element_type(hints[f.name])
         yield Entry(prefix + f.name, element, is_array, value, f.metadata[_SPEC])
 
@@ -137,7 +170,7 @@ def flatten(instance: Any, prefix: str = "") -> dict[str, Any]:
         if is_dataclass(value):
             found |= flatten(value, f"{prefix}{name}.")
         else:
-            found[prefix + name] = value
+            found[prefix + name] = value.text if isinstance(value, Choice) else value
     return found
 
 

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ev_core.parameters.declaration import Entry, entries, is_declared
+from ev_core.parameters.declaration import Choice, Entry, entries, is_declared
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
 # By declared unit, what may be written instead: a number is multiplied by the first and divided by the second.
@@ -182,7 +182,8 @@ def _replaced(instance: Any, checked: Mapping[str, Any], prefix: str) -> Any:
         if dot:
             of_groups.setdefault(own, {})[name] = value
         else:
-            changed[own] = value
+            before = getattr(instance, own)
+            changed[own] = type(before).of(value) if isinstance(before, Choice) else value
     for group, values in of_groups.items():
         changed[group] = _replaced(getattr(instance, group), values, f"{prefix}{group}.")
     try:

@@ -54,7 +54,7 @@ def towards(value: float, goal: float, most: float) -> float:
     return value + min(max(goal - value, -most), most)
 
 
-@method("driver", "commanded", CommandedParameters, state=CommandedState)
+@method("driver", "commanded")
 @compilable
 def commanded(
     p: CommandedParameters,

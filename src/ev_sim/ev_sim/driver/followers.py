@@ -132,7 +132,7 @@ def profiles_of(parameters: SpeedProfileDriverParameters, vehicle: Vehicle, peri
     )
 
 
-@driver_method("speed_profile", SpeedProfileDriverParameters, state=SpeedProfileDriverState, prepare=profiles_of)
+@driver_method("speed_profile", prepare=profiles_of)
 @compilable
 def speed_profile(
     p: SpeedProfileDriverParameters,
@@ -278,9 +278,7 @@ def road_notes(p: LaneKeepingParameters, s: Any) -> tuple[str, ...]:
     return edge_notes(s.hands.edge, p.path.width)
 
 
-@pedals.driver_method(
-    "path_follower", PathFollowerParameters, state=PathFollowerState, prepare=followed_path, notes=road_notes
-)
+@pedals.driver_method("path_follower", prepare=followed_path, notes=road_notes)
 @compilable
 def path_follower(
     p: PathFollowerParameters,

@@ -168,7 +168,7 @@ def notes(p: LapDriverParameters, s: LapDriverState) -> tuple[str, ...]:
 
 
 @method(
-    "driver", "lap", LapDriverParameters, state=LapDriverState, prepare=laps_of, notes=notes, load_files=with_course,
+    "driver", "lap", prepare=laps_of, notes=notes, load_files=with_course,
     mirrored=True,
 )  # fmt: skip
 @compilable

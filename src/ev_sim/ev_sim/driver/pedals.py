@@ -186,7 +186,7 @@ def work_pedals(
     return follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)
 
 
-@driver_method("manoeuvre", FeetParameters, state=FeetState, prepare=feet_profiles)
+@driver_method("manoeuvre", prepare=feet_profiles)
 @compilable
 def manoeuvre(
     p: FeetParameters, car: Car, c: FeetProfiles, s: FeetState, period: float, now: Instant, body: BodyVelocity

@@ -194,7 +194,7 @@ def notes(p: PreviewDriverParameters, s: PreviewDriverState) -> tuple[str, ...]:
     return (*paths.plan_notes(s.plan), *paths.edge_notes(s.edge, p.path.width))
 
 
-@driver_method("preview", PreviewDriverParameters, state=PreviewDriverState, prepare=previewed_path, notes=notes)
+@driver_method("preview", prepare=previewed_path, notes=notes)
 @compilable
 def preview(
     p: PreviewDriverParameters,

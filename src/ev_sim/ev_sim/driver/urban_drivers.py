@@ -89,7 +89,13 @@ def cycle_driver(
             return DriverCommand(drive, brake, hand_torque)
 
         driver_method(
-            name, parameters, state=CycleState, prepare=cycle_of, notes=road_notes, needs=needs, requires=requires
+            name,
+            parameters=parameters,
+            state=CycleState,
+            prepare=cycle_of,
+            notes=road_notes,
+            needs=needs,
+            requires=requires,
         )(compilable(named_after(driver, drive_torque)))
         return drive_torque
 

@@ -149,8 +149,6 @@ def limits(parameters: KinematicPlantParameters, vehicle: Vehicle, period: float
 @method(
     "plant",
     "kinematic",
-    KinematicPlantParameters,
-    state=KinematicPlantState,
     prepare=limits,
     start=lambda p: KinematicPlantState(speed=p.initial_speed),
     outputs=outputs,

@@ -180,7 +180,7 @@ def shown(s: ActuatedState) -> SteeringColumnState:
     return SteeringColumnState(s.angle, s.rate, s.hand_torque, s.actuator.angle, s.actuator.rate)
 
 
-@steering_column("actuated", ActuatedParameters, state=ActuatedState, prepare=moved, outputs=shown)
+@steering_column("actuated", prepare=moved, outputs=shown)
 @compilable
 def actuated(
     p: ActuatedParameters,

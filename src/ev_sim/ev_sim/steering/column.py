@@ -94,7 +94,7 @@ def connected_column(car: Car, s: ManualState) -> SteeringColumnState:
     return SteeringColumnState(ratio * angle, ratio * rate, s.hand_torque, angle, rate)
 
 
-@steering_column("manual", RoadWheelParameters, state=ManualState, prepare=road_wheels, outputs=connected_column)
+@steering_column("manual", parameters=RoadWheelParameters, prepare=road_wheels, outputs=connected_column)
 @compilable
 def manual(car: Car, c: Oscillator, s: ManualState, driver: DriverCommand) -> None:
     """Turn the road wheels by hand alone: a steering geometry that gives the drive forces no lever arm.
@@ -114,9 +114,7 @@ class PoweredState(ManualState):
     wheel_speed_difference: float = entry(unit="rad/s", about="right minus left front wheel, a period ago")
 
 
-@steering_column(
-    "powered", DrivenRoadWheelParameters, state=PoweredState, prepare=road_wheels, outputs=connected_column
-)
+@steering_column("powered", prepare=road_wheels, outputs=connected_column)
 @compilable
 def powered(
     p: DrivenRoadWheelParameters,
@@ -194,7 +192,7 @@ def shown(s: ByWireState) -> SteeringColumnState:
     return SteeringColumnState(s.angle, s.rate, s.hand_torque, s.road_wheel_angle, s.road_wheel_rate)
 
 
-@steering_column("by_wire", ByWireParameters, state=ByWireState, prepare=oscillators, outputs=shown)
+@steering_column("by_wire", prepare=oscillators, outputs=shown)
 @compilable
 def by_wire(
     p: ByWireParameters, car: Car, c: Moving, s: ByWireState, period: float, driver: DriverCommand, wheels: WheelStates

@@ -54,7 +54,7 @@ def shown(p: ImposedAngleParameters, car: Car, c: Profile, s: ImposedAngleState,
     return SteeringColumnState(car.steering_ratio * angle, car.steering_ratio * rate, 0.0, angle, rate)
 
 
-@steering_column("imposed", ImposedAngleParameters, state=ImposedAngleState, prepare=angles, outputs=shown)
+@steering_column("imposed", parameters=ImposedAngleParameters, prepare=angles, outputs=shown)
 @compilable
 def imposed(s: ImposedAngleState, driver: DriverCommand) -> None:
     """Stand at a road-wheel angle over time, whatever hands and road do, as a measured one is replayed."""

@@ -30,7 +30,6 @@ def moment_of_road(p: SteeringMotorParameters, tyres: TireForces) -> float:
 rear_steering = partial(
     method,
     "rear_steering",
-    state=SteeringMotorState,
     outputs=shown,
     requires={"plant": "planar_rear_steering"},
     mirrored=True,
@@ -75,7 +74,7 @@ def speed_dependent_constants(p: SpeedDependentParameters, _vehicle: Vehicle, pe
     return SpeedDependentConstants(servo(p, period), profile_of(p.speed, p.ratio, BY_LINES))
 
 
-@rear_steering("speed_dependent", SpeedDependentParameters, prepare=speed_dependent_constants)
+@rear_steering("speed_dependent", prepare=speed_dependent_constants)
 @compilable
 def speed_dependent(
     p: SpeedDependentParameters,
@@ -107,7 +106,7 @@ def zero_sideslip_constants(p: SteeringMotorParameters, vehicle: Vehicle, period
     return ZeroSideslipConstants(servo(p, period), forwards, reverse)
 
 
-@rear_steering("zero_sideslip", SteeringMotorParameters, prepare=zero_sideslip_constants)
+@rear_steering("zero_sideslip", prepare=zero_sideslip_constants)
 @compilable
 def zero_sideslip(
     p: SteeringMotorParameters,

@@ -87,9 +87,7 @@ def robot_column(car: Car, s: SteeringRobotState, period: float) -> SteeringColu
 robot_method = partial(method, "steering_column", prepare=profile, mirrored=True)
 
 
-@robot_method(
-    "steering_robot", SteeringRobotParameters, state=SteeringRobotState, start=at_its_beginning, outputs=robot_column
-)
+@robot_method("steering_robot", start=at_its_beginning, outputs=robot_column)
 @compilable
 def steering_robot(p: SteeringRobotParameters, c: Profile, s: SteeringRobotState, period: float, now: Instant) -> None:
     """Impose a steering-wheel angle over time, as fast as the robot can turn; the road wheels follow rigidly.
@@ -168,8 +166,6 @@ def active_column(car: Car, s: ActiveFrontState, period: float) -> SteeringColum
 
 @robot_method(
     "active_front",
-    ActiveFrontParameters,
-    state=ActiveFrontState,
     start=partial(at_its_beginning, kind=ActiveFrontState),
     outputs=active_column,
 )

@@ -141,7 +141,7 @@ CIRCUITS: dict[str, Any] = {
 }
 
 
-@method("test_bench", "circuits", CircuitsParameters, outputs=outputs, writes=CHANNELS, **CIRCUITS)
+@method("test_bench", "circuits", outputs=outputs, writes=CHANNELS, **CIRCUITS)
 @compilable
 def circuits(
     p: CircuitsParameters,
@@ -186,7 +186,6 @@ def outputs_with_flow(
 @method(
     "test_bench",
     "circuits_with_flow",
-    CircuitsParameters,
     outputs=outputs_with_flow,
     writes=(*CHANNELS, BenchCoolant),
     **CIRCUITS,

@@ -139,8 +139,6 @@ def _said(p: CanCircuitsParameters, c: CanConstants, s: CanCircuitsState, wheel:
 @method(
     "test_bench",
     "circuits_on_can",
-    CanCircuitsParameters,
-    state=CanCircuitsState,
     prepare=prepare,
     outputs=outputs,
     writes=(BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy, FeedbackFrames, BusStates),

@@ -142,7 +142,6 @@ def _load(p: LoadParameters, car: Car, c: PlanarConstants, s: PlanarOnBenchState
 @method(
     "plant",
     "planar_on_bench",
-    PlanarOnBenchParameters,
     needs=(individual_machines,),
     **PLANAR
     | {"state": PlanarOnBenchState, "start": at_start, "outputs": outputs, "writes": (*PLANAR_SIGNALS, LoadCommand)},

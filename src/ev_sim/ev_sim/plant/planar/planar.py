@@ -45,7 +45,7 @@ PLANAR: dict[str, Any] = {
 }
 
 
-@method("plant", "planar", PlanarParameters, **PLANAR)
+@method("plant", "planar", **PLANAR)
 @inlined
 def planar(
     p: PlanarParameters,
@@ -133,7 +133,6 @@ def advance(
 @method(
     "plant",
     "planar_electrical",
-    PlanarParameters,
     **PLANAR | {"prepare": prepare_electrical, "outputs": shown.electrical_outputs, "writes": shown.ELECTRICAL_SIGNALS},
 )
 @inlined
@@ -153,7 +152,7 @@ def planar_electrical(
     planar(p, car, c, s, period, command, column)
 
 
-@method("plant", "planar_rear_steering", PlanarParameters, **PLANAR)
+@method("plant", "planar_rear_steering", **PLANAR)
 @inlined
 def planar_rear_steering(
     p: PlanarParameters,
@@ -199,7 +198,6 @@ def a_motor_for_each_wheel(_parameters: PlanarSpeedModeParameters, vehicle: Vehi
 @method(
     "plant",
     "planar_speed_mode",
-    PlanarSpeedModeParameters,
     needs=(a_motor_for_each_wheel,),
     **PLANAR | {"state": SpeedModeState, "start": partial(shown.begin, kind=SpeedModeState)},
 )

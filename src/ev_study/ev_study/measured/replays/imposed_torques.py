@@ -84,7 +84,7 @@ def at_wheels(of: WheelProfiles, t: float) -> Wheels:
     )
 
 
-@method("electronic_differential", "imposed", ImposedTorqueParameters, prepare=torques, mirrored=True)
+@method("electronic_differential", "imposed", parameters=ImposedTorqueParameters, prepare=torques, mirrored=True)
 @compilable
 def imposed(c: ImposedTorques, now: Instant) -> WheelTorqueRequest:
     """Ask each wheel for its drive and brake torque over time, whatever the driver does, as measured ones are."""
