@@ -12,7 +12,7 @@ import numpy as np
 
 from ev_core.parameters.declaration import parameter, setting
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_study.measured.records.samples import Sampled, in_order, jumps, without_spikes
+from ev_study.measured.records.samples import Sampled, cut, in_order, jumps, without_spikes
 
 YAW_RATE, LATERAL, LONGITUDINAL = "twist.yaw_rate", "twist.lateral", "twist.longitudinal"
 LATERAL_ACCELERATION, LONGITUDINAL_ACCELERATION = "imu.lateral_acceleration", "imu.longitudinal_acceleration"
@@ -31,6 +31,7 @@ _LARGEST_STEP = {
     **dict.fromkeys((LONGITUDINAL, LATERAL), (3.0, 30.0)),  # [m/s], [m/s^2]
     **dict.fromkeys((LONGITUDINAL_ACCELERATION, LATERAL_ACCELERATION), (40.0, 0.0)),  # [m/s^2], [m/s^3]
 }
+_SURE = 3.0  # times as fast as a steering angle may change: a log that holds each sample for some instants is slower
 SLOWEST = 1.0  # [m/s], below which nothing is made of a sideslip angle
 _MOVED = (LONGITUDINAL, LATERAL, LONGITUDINAL_ACCELERATION, LATERAL_ACCELERATION, SIDESLIP)  # to the centre of mass
 _SAME_EVERYWHERE = (YAW_RATE, "imu.yaw_rate")  # of a rigid body; a place may be given and changes nothing
@@ -152,8 +153,8 @@ def measured(
     """
     if not columns:
         raise ParameterError(f"{source}: no channel of it is known")
-    samples, passed_over = in_order(source, {name: each for name, (each, _) in columns.items()})
-    samples, spikes = without_spikes(samples, _LARGEST_STEP)
+    samples, passed_over, set_back = in_order(source, {name: each for name, (each, _) in columns.items()})
+    samples, spikes, for_good = without_spikes(samples, _LARGEST_STEP)
     columns = {name: (samples[name], declared) for name, (_, declared) in columns.items()}
     for name, (each, _) in columns.items():
         if np.isfinite(each.values).sum() < 2:
@@ -179,8 +180,10 @@ def measured(
     for name in (ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE):
         if name in channels:
             limit = mask.steering_rate * (16.0 if name == STEERING_WHEEL_ANGLE else 1.0)
-            valid &= ~jumps(channels[name], limit * period)
-    notes = passed_over + spikes + _bridge(channels, valid, max(int(mask.bridge / period + 0.5), 0))
+            valid &= ~jumps(channels[name], limit * period, sure=_SURE)[0]
+    is_cut = cut(instants + begin, [*set_back, *for_good])
+    valid &= ~is_cut
+    notes = passed_over + spikes + _bridge(channels, valid, is_cut, max(int(mask.bridge / period + 0.5), 0))
     noise = {
         name: declared.noise * abs(declared.factor(name)) for name, (_, declared) in columns.items() if declared.noise
     }
@@ -253,8 +256,8 @@ def _sideslip_at_centre(angle: np.ndarray, speed: np.ndarray, yaw_rate: np.ndarr
     return sideslip(speed, (speed - y * yaw_rate) * np.tan(angle) - x * yaw_rate, speed)
 
 
-def _bridge(channels: dict[str, np.ndarray], valid: np.ndarray, most: int) -> tuple[str, ...]:
-    """Interpolate all channels where they are not believed; what is short is believed then."""
+def _bridge(channels: dict[str, np.ndarray], valid: np.ndarray, is_cut: np.ndarray, most: int) -> tuple[str, ...]:
+    """Interpolate all channels where they are not believed; what is short and no cut is believed then."""
     bad = np.flatnonzero(~valid)
     if not len(bad):
         return ()
@@ -265,10 +268,11 @@ def _bridge(channels: dict[str, np.ndarray], valid: np.ndarray, most: int) -> tu
         channels[name] = values.copy()
         channels[name][bad] = np.interp(bad, good, values[good])
     runs = np.split(bad, np.flatnonzero(np.diff(bad) > 1) + 1)
-    for run in runs:
-        valid[run] = len(run) <= most
-    long = sum(len(run) > most for run in runs)
-    return (f"{len(bad)} instants in {len(runs)} jumps and gaps, {len(runs) - long} of them bridged, {long} masked",)
+    bridged = [run for run in runs if len(run) <= most and not is_cut[run].any()]
+    for run in bridged:
+        valid[run] = True
+    masked = len(runs) - len(bridged)
+    return (f"{len(bad)} instants in {len(runs)} jumps and gaps, {len(bridged)} of them bridged, {masked} masked",)
 
 
 def quoted_source(record: MeasuredRecord) -> str:

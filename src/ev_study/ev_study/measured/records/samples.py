@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +12,7 @@ from ev_msgs_py.refusal import ParameterError
 
 _LONGEST_SPIKE = 10  # samples in which a signal that has jumped away has to be back, else it has jumped for good
 _PAUSE = 86400.0  # [s], longer than any pause in a record: a clock that was not set yet is years behind
+_NAMED, _MOST_JUMPS = 5, 50  # places that a note names, and jumps among which that back is looked for
 _ANOTHER = 100  # samples in a row for which the clock has no room: they are those of another drive
 
 
@@ -27,12 +28,16 @@ class Sampled:
         return replace(self, values=factor * self.values)
 
 
-def in_order(source: str, columns: Mapping[str, Sampled]) -> tuple[dict[str, Sampled], tuple[str, ...]]:
-    """The columns without the samples whose times are not believed, and how many these are.
+Cut = tuple[float, float]  # times [s] of two samples that do not belong together: a record goes on behind the second
+
+
+def in_order(source: str, columns: Mapping[str, Sampled]) -> tuple[dict[str, Sampled], tuple[str, ...], list[Cut]]:
+    """The columns without the samples whose times are not believed, how many these are, and where a clock steps back.
 
     ParameterError if they are most of them.
     """
     kept: dict[str, Sampled] = {}
+    cuts: dict[Cut, None] = {}  # each once
     names_of: dict[str, list[str]] = {}  # by what was passed over: columns of one table or topic share their times
     for name, each in columns.items():
         good = believed(each.time) if len(each.time) else np.zeros(0, bool)
@@ -44,29 +49,73 @@ def in_order(source: str, columns: Mapping[str, Sampled]) -> tuple[dict[str, Sam
             )
         kept[name] = replace(each, time=each.time[good], values=each.values[good])
         if bad:
-            what = f"{bad} of {of} samples passed over, whose times do not increase"
+            back = _steps_back(each.time, good)
+            cuts |= dict.fromkeys(back)
+            what = f"{bad} of {of} samples passed over, whose times do not increase{_where_cut('steps back', back)}"
             names_of.setdefault(what, []).append(name)
-    return kept, tuple(f"{', '.join(names)}: {what}" for what, names in names_of.items())
+    return kept, tuple(f"{', '.join(names)}: {what}" for what, names in names_of.items()), [*cuts]
+
+
+def _steps_back(time: np.ndarray, good: np.ndarray) -> list[Cut]:
+    """Where samples in a row were passed over for which the believed clock has no room: it was set back there."""
+    places = np.flatnonzero(good)
+    passed_over, steps = np.diff(places) - 1, np.diff(time[places])
+    without_room = np.flatnonzero(passed_over * np.median(steps) > 2.0 * steps)
+    found = []
+    for before, behind in zip(places[without_room], places[without_room + 1], strict=True):
+        if np.ptp(time[before + 1 : behind]) > 0.0:  # equal times are those of messages that were taken together
+            found.append((float(time[before]), float(time[behind])))
+    return found
+
+
+def _where_cut(what: str, cuts: Sequence[Cut]) -> str:
+    """What a note says of the places at which a record is cut; empty if there are none."""
+    if not cuts:
+        return ""
+    times = ", ".join(f"{behind:.2f}" for _, behind in cuts[:_NAMED]) + (" ..." if len(cuts) > _NAMED else "")
+    return f"; it {what} at {times} s, where windows begin anew"
 
 
 def without_spikes(
     columns: Mapping[str, Sampled], largest_step: Mapping[str, tuple[float, float]]
-) -> tuple[dict[str, Sampled], tuple[str, ...]]:
-    """The columns with NaN for the samples that jump, and how many these are.
+) -> tuple[dict[str, Sampled], tuple[str, ...], list[Cut]]:
+    """The columns with NaN for the samples that jump, how many these are, and where one jumps for good.
 
     `largest_step` has by name what is no jump yet: a step of any two samples, and a rate on top of it.
     """
     kept = dict(columns)
     notes = []
+    cuts: list[Cut] = []
     for name, (step, rate) in largest_step.items():
         if name not in columns:
             continue
         each = columns[name]
-        spikes = jumps(each.values, step + rate * float(np.median(np.diff(each.time))))
-        if spikes.any():
-            kept[name] = replace(each, values=np.where(spikes, np.nan, each.values))
-            notes.append(f"{name}: {spikes.sum()} of {len(spikes)} samples passed over, which jump as no car does")
-    return kept, tuple(notes)
+        places = np.flatnonzero(
+            np.isfinite(each.values)
+        )  # a sensor that fails often has cells without a number as well
+        time, values = each.time[places], each.values[places]
+        if len(places) < 2:
+            continue
+        steps = np.diff(time)
+        jumped, for_good = jumps(values, step + rate * np.maximum(steps, np.median(steps)))
+        if jumped.any():
+            of_column = [(float(time[place]), float(time[place + 1])) for place in for_good]
+            spikes = places[jumped]
+            kept[name] = replace(each, values=each.values.copy())
+            kept[name].values[spikes] = np.nan
+            what = f"{len(spikes)} of {len(each.values)} samples passed over, which jump as no car does"
+            notes.append(f"{name}: {what}{_where_cut('jumps for good', of_column)}")
+            cuts += of_column
+    return kept, tuple(notes), cuts
+
+
+def cut(instants: np.ndarray, cuts: Sequence[Cut]) -> np.ndarray:
+    """Which instants [s] lie between the samples of a cut, and one at least for each, (n,) bool."""
+    found = np.zeros(len(instants), bool)
+    for before, behind in cuts:
+        first, last = np.searchsorted(instants, (before + 1e-9, behind + 1e-9), side="right")
+        found[first : max(last, first + 1)] = True
+    return found
 
 
 def believed(time: np.ndarray) -> np.ndarray:
@@ -117,23 +166,38 @@ def _longest_rise(values: np.ndarray) -> list[int]:
     return rise[::-1]
 
 
-def jumps(values: np.ndarray, limit: float) -> np.ndarray:
-    """Where a series jumps away, up to where it is back; a jump that does not come back is one instant.
+def jumps(values: np.ndarray, limit: float | np.ndarray, sure: float = 1.0) -> tuple[np.ndarray, list[int]]:
+    """Where a series jumps away, up to where it is back, (n,) bool, and the places before jumps that stay for good.
 
-    Near the beginning or the end it is the short side that has jumped.
+    `limit` is the largest step, of all or (n - 1,). What is back within `_LONGEST_SPIKE` may be back in any way, later
+    on, within half of the samples, only by a jump; then both are larger than `sure` limits. Near the beginning or the
+    end it is the short side that has jumped. Of a jump for good one instant is marked.
     """
-    jumped = np.zeros(len(values), bool)
+    sizes = np.abs(np.diff(values))
+    limits = np.broadcast_to(limit, sizes.shape)
+    edges, is_sure = np.flatnonzero(sizes > limits), sizes > sure * limits
+    jumped, for_good = np.zeros(len(values), bool), []
     behind = 0
     short = min(_LONGEST_SPIKE, len(values) // 2)
-    for edge in np.flatnonzero(np.abs(np.diff(values)) > limit):
+    for number, edge in enumerate(edges.tolist()):
         if edge < behind:
             continue
-        after = values[edge + 1 : edge + 2 + _LONGEST_SPIKE]
-        back = np.flatnonzero(np.abs(after[1:] - values[edge]) < 3.0 * limit)
-        if not len(back) and edge < short:  # a sensor that has not begun yet
+        most = min(3.0 * limits[edge], 0.5 * sizes[edge])  # beside where it was, where it is back
+        near = np.abs(values[edge + 2 : edge + 2 + _LONGEST_SPIKE] - values[edge]) < most
+        later = edges[number + 1 : number + 1 + _MOST_JUMPS]
+        later = later[is_sure[later] & is_sure[edge] & (later - edge <= len(values) // 2)]
+        later = later[np.abs(values[later + 1] - values[edge]) < most]
+        if near.any():
+            behind = edge + 2 + int(near.argmax())
+        elif edge < short:  # a sensor that has not begun yet
             jumped[: edge + 1] = True
             continue
-        is_end = not len(back) and len(values) - 1 - edge <= short
-        behind = len(values) if is_end else edge + 2 + (int(back[0]) if len(back) else 0)
+        elif len(later):
+            behind = int(later[0]) + 1
+        elif len(values) - 1 - edge <= short:
+            behind = len(values)
+        else:
+            behind = edge + 2
+            for_good.append(edge)
         jumped[edge + 1 : behind] = True
-    return jumped
+    return jumped, for_good
