@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 
 import numpy as np
 import pytest
@@ -12,7 +13,10 @@ from measured.made_records import CAR, PERIOD, columns_of, driven, write
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.commands.run_scenario import main
 from ev_sim.recording.offline import run_offline
+from ev_sim.running.output_folder import OutputFolder
+from ev_sim.scenarios.about import configured_file
 from ev_sim.scenarios.scenario import Overrides
+from ev_study.measured.identified import CAR as CAR_FILE
 from ev_study.measured.replays.open_loop import graph
 
 IN_CORRIDORS = ("steering_angle", "twist.yaw_rate", "sideslip")
@@ -91,6 +95,17 @@ def test_a_replay_has_the_period_of_the_record(tmp_path):
     for given, period in ((["--set", "*.control_period=0.02"], "0.02"), (["--params", str(other)], "0.002")):
         with pytest.raises(SystemExit, match=f"control_period is {period} s, expected that of the record, 0.01 s"):
             main(["validate", str(path), "--vehicle", CAR, *given])
+
+
+def test_a_car_that_is_found_in_the_output_folder_is_not_removed_from_there(tmp_path):
+    """A search goes on from its own result into another folder: one that is stopped would have lost its start."""
+    record, out = write(tmp_path, columns_of(driven())), tmp_path / "found"
+    with OutputFolder(out, "identify", [CAR_FILE]):
+        shutil.copy(configured_file("vehicle", CAR), out / CAR_FILE)
+    given = ["--vehicle", str(out / CAR_FILE), "--window", "2", "--no-report", "--out", str(out)]
+    with pytest.raises(SystemExit, match=rf"found: {CAR_FILE} there is what this command reads"):
+        main(["identify", str(record), "--free", "yaw", *given])
+    assert (out / CAR_FILE).exists()
 
 
 def test_the_torque_of_each_wheel_is_imposed_by_itself(tmp_path, capsys):

@@ -287,6 +287,36 @@ def test_a_recording_that_is_played_back_is_not_replaced(tmp_path: Path, monkeyp
         assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
+@pytest.mark.parametrize("spelling", ["out/car.yaml", "link/car.yaml", "other/../out/car.yaml", "out"])
+def test_what_a_command_reads_is_not_removed_at_its_beginning(tmp_path: Path, monkeypatch, spelling: str):
+    """Its own output of before, by whatever path, or the folder with it: stopped, it could not be started again."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "other").mkdir()
+    (tmp_path / "link").symlink_to("out")
+    with OutputFolder(Path("out"), "identify", ["car.yaml", "kept"]) as folder:
+        for name in ("car.yaml", "kept"):
+            (folder.directory / name).write_text("mass: 1500.0")
+    with pytest.raises(
+        ParameterError, match=r"out: car\.yaml there is what this command reads, expected another folder"
+    ):
+        OutputFolder(Path("out"), "identify", ["car.yaml", "kept"], keeps=["kept"], reads=[None, spelling])
+    assert (tmp_path / "out" / "car.yaml").read_text() == "mass: 1500.0"
+    with OutputFolder(Path("out"), "identify", ["car.yaml", "kept"], keeps=["kept"], reads=["out/kept", "other"]):
+        assert sorted(path.name for path in Path("out").iterdir()) == [MANIFEST, "kept"]
+
+
+@pytest.mark.parametrize(("command", "option"), [("shchur2019", "--params"), ("sweep", "--params")])
+def test_a_run_and_a_study_read_no_file_that_they_remove(tmp_path: Path, monkeypatch, command: str, option: str):
+    """Parameters of an earlier run stand where the next one writes its own."""
+    monkeypatch.chdir(tmp_path)
+    with OutputFolder(Path("out"), f"{'study' if command == 'sweep' else 'scenario'} {command}", ["mine.yaml"]):
+        Path("out/mine.yaml").write_text("/**/plant:\n  ros__parameters:\n    seed: 1\n")
+    more = (*SHORT, "--offline") if command == "shchur2019" else ("shchur2019", "--seeds", "2", *SHORT)
+    with pytest.raises(SystemExit, match=r"mine\.yaml there is what this command reads"):
+        ev_stack.perform(("run", command, *more, option, "out/mine.yaml", "--out", "out"))
+    assert Path("out/mine.yaml").exists()
+
+
 def test_names_and_manifests_that_nobody_can_read_are_refused(tmp_path: Path):
     """A folder whose name is no text was driven for and then refused; a manifest of any size was read."""
     with pytest.raises(ParameterError, match=r"is refused, expected the name of a folder in UTF-8$"):

@@ -176,6 +176,11 @@ def overrides(given: argparse.Namespace) -> Overrides:
     return Overrides.of(values, given.seed, given.duration, given.vehicle, given.params, cycle)
 
 
+def files_read(given: argparse.Namespace) -> list[Path | str]:
+    """The files that a command line names for `overrides`; a name in a config folder is none that a command writes."""
+    return [name for name in (given.vehicle, getattr(given, "cycle", None), *given.params) if name]
+
+
 def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:
     left, found, right = word.partition(mark)
     if not (left and found and right):

@@ -15,7 +15,7 @@ from pathlib import Path
 from ev_core.methods.offered import offered, offered_module
 from ev_core.parameters.data_file import TABLE, read_data
 from ev_msgs_py.refusal import LINE, quoted, shown
-from ev_sim.command_line.options import overrides, own_nodes, printing, processors
+from ev_sim.command_line.options import files_read, overrides, own_nodes, printing, processors
 from ev_sim.figures.saving import figure_files
 from ev_sim.measures.own_metrics import listed
 from ev_sim.recording.outcome import Outcome, RunFailed, progress_bar
@@ -49,8 +49,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
     commands = {role: " ".join(words) for role, words in own_nodes(given).items()}
     mode = f"{way}, realtime" if given.realtime else way
     compile_for(scenario.runs, not given.offline, own_nodes(given))
-    before = _command_of(out)
-    with OutputFolder(out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs) as folder:
+    before, reads = _command_of(out), [given.scenario, *files_read(given)]
+    with OutputFolder(out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs, reads=reads) as folder:
         outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
         result = Result(scenario, outcomes, mode, commands, given.command)
         summary, figures = result.summary(), {} if given.no_report else result.figures()

@@ -38,8 +38,8 @@ class OutputFolder:
     `writer` names the writer, such as "scenario shchur2019". The manifest of the folder names all files of each writer.
     At the beginning those of this one are removed, apart from `keeps`; what it was writing when it was killed is moved
     to earlier_1, earlier_2, ...; nothing else is touched. ParameterError before that if a name is taken by something
-    else, or a file has changed since, or another command is writing there: the folder is locked up to the end of the
-    block, where the manifest is completed.
+    else, or a file has changed since or is one that the command `reads`, or another command is writing there: the
+    folder is locked up to the end of the block, where the manifest is completed.
     """
 
     def __init__(
@@ -49,6 +49,7 @@ class OutputFolder:
         files: Iterable[str] = (),
         runs: Sequence[Run] = (),
         keeps: Iterable[str] = (),
+        reads: Iterable[Path | str | None] = (),
     ) -> None:
         self.directory = directory.absolute()
         self._given, self._writer, self._alone = directory, writer, len(runs) == 1
@@ -67,10 +68,10 @@ class OutputFolder:
                 finished, unfinished = self._finished(before), self._unfinished(before)
                 mine = {*finished, *unfinished}
                 self._refuse_what_is_in_the_way(claims, mine)
-                self._refuse_what_is_played_back(mine, runs)
+                kept = mine.intersection(keeps)
+                self._refuse_what_is_read(mine - kept, runs, [Path(each).resolve() for each in reads if each])
                 for folder in {self.of(run) for run in runs} - {self.directory}:
                     self._hold(folder, locks)
-                kept = mine.intersection(keeps)
                 for name in finished.keys() - kept:
                     (self.directory / name).unlink()
                 self._move(sorted(set(unfinished) - kept))
@@ -168,13 +169,19 @@ class OutputFolder:
                     if each not in mine:
                         raise self._refused(name, self._whose(each))
 
-    def _refuse_what_is_played_back(self, names: Iterable[str], runs: Iterable[Run]) -> None:
-        """ParameterError if a run plays back what is recorded in one of these files, which it would lose."""
+    def _refuse_what_is_read(self, names: Iterable[str], runs: Iterable[Run], reads: Sequence[Path]) -> None:
+        """ParameterError if one of these files, which would be lost, is read or lies in a folder that is.
+
+        A run also reads the recordings that its methods play back.
+        """
         methods = [configuration.method for run in runs for configuration in run.configurations.values()]
         recordings = {Path(method.name).resolve() for method in methods if method.plays_back}
         for name in names:
-            if (self.directory / name).resolve() in recordings:
+            path = (self.directory / name).resolve()
+            if path in recordings:
                 raise self._refused(name, "is what is played back")
+            if any(path.is_relative_to(each) for each in reads):
+                raise self._refused(name, "is what this command reads")
 
     def _whose(self, name: str) -> str:
         if (self.directory / name).is_symlink():

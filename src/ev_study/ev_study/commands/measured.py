@@ -16,7 +16,7 @@ from typing import Any
 from ev_core.methods.estimator import estimators
 from ev_core.parameters.data_file import SIGNALS, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.command_line.options import add_changes, command_of, overrides
+from ev_sim.command_line.options import add_changes, command_of, files_read, overrides
 from ev_sim.command_line.paths import output_folder
 from ev_sim.command_line.refusal import Parser
 from ev_sim.running.output_folder import OutputFolder
@@ -87,7 +87,8 @@ def run_validate(argv: Sequence[str]) -> None:
     replay = _replay(given, record, windows_of(record, given.window, *given.part), changed)
     tolerances = corridor_parameters(judging[CORRIDOR])
     estimates, lacking = estimates_of(replay, judging) if given.estimators else ([], [])
-    with OutputFolder(given.out, "validate", FILES) as folder:
+    reads = [given.record, given.mapping, *files_read(given)]
+    with OutputFolder(given.out, "validate", FILES, reads=reads) as folder:
         begin = time.monotonic()
         simulated = {n: v[0] for n, v in replay.simulate().items()}
         found = Validation(replay, simulated, time.monotonic() - begin, tolerances, estimates)
@@ -172,7 +173,8 @@ def run_identify(argv: Sequence[str]) -> None:
             raise unknown_name("--signals", name, replay.compared)
     seed = given.seed or 0
     key = search_key(replay, free, signals, given.every, given.prior, given.starts, seed, given.steps, given.impose)
-    with OutputFolder(given.out, "identify", (*FILES_OF_IDENTIFICATION, JOURNAL), keeps=[JOURNAL]) as folder:
+    reads, files = [given.record, given.mapping, *files_read(given)], (*FILES_OF_IDENTIFICATION, JOURNAL)
+    with OutputFolder(given.out, "identify", files, keeps=[JOURNAL], reads=reads) as folder:
         journal = Journal(folder.directory / JOURNAL, key)
         fitted = identify(
             replay, free, signals, every=given.every, width=given.prior, starts=given.starts, seed=seed,

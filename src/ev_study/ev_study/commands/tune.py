@@ -117,7 +117,8 @@ def _tune(
     command: str,
 ) -> Journal:
     result = f"{name}_tuned.yaml"
-    with OutputFolder(out, "tune", (result, HISTORY, JOURNAL), keeps=[JOURNAL]) as folder:
+    reads = [given.board, *(word.partition("=")[2] for word in given.laws)]
+    with OutputFolder(out, "tune", (result, HISTORY, JOURNAL), keeps=[JOURNAL], reads=reads) as folder:
         journal = Journal(folder.directory / JOURNAL, key)
         training, validation = (
             Training(of.board, name, of.driven(journal.answer), given.cost, given.threads) for of in references

@@ -15,7 +15,15 @@ from typing import Any
 
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
 from ev_sim.command_line.numbers import whole
-from ev_sim.command_line.options import add_outputs, add_overrides, add_traceback, command_of, overrides, printing
+from ev_sim.command_line.options import (
+    add_outputs,
+    add_overrides,
+    add_traceback,
+    command_of,
+    files_read,
+    overrides,
+    printing,
+)
 from ev_sim.command_line.paths import output_folder
 from ev_sim.command_line.refusal import Parser
 from ev_sim.figures.saving import figure_files, save_figures
@@ -145,7 +153,7 @@ def run_study(words: Sequence[str]) -> None:
     rows = KeptRows(out, name, cases, given.anew)
     signals = {case.name: path for case in cases if given.signals and (path := rows.signals_of(case))}
     names = [*OF_ALL_RUNS, *TABLES, DRIVEN, *signals.values()]
-    with OutputFolder(out, f"study {name}", names, keeps=rows.files) as folder:
+    with OutputFolder(out, f"study {name}", names, keeps=rows.files, reads=files_read(given)) as folder:
         start = time.monotonic()
         paths = {case: folder.directory / path for case, path in signals.items()}
         driven, before = _drive(name, given, cases, paths, rows)
