@@ -41,7 +41,7 @@ def record_of(columns: dict[str, np.ndarray], time: np.ndarray = TIME) -> Measur
 FAILED = [(LONGITUDINAL, 0.0), (LONGITUDINAL, 182.0), (LATERAL, 20.0), (YAW_RATE, 5.0), (ROAD_WHEEL_ANGLE, -0.4)]
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=200)
 @given(
     failed=st.sampled_from(FAILED),
     begin=st.integers(20, 300),

@@ -182,11 +182,11 @@ def jumps(values: np.ndarray, limit: float | np.ndarray, sure: float = 1.0) -> t
     for number, edge in enumerate(edges.tolist()):
         if edge < behind:
             continue
-        most = min(3.0 * limits[edge], 0.5 * sizes[edge])  # beside where it was, where it is back
-        near = np.abs(values[edge + 2 : edge + 2 + _LONGEST_SPIKE] - values[edge]) < most
+        half = 0.5 * sizes[edge]  # of the jump; a car that drives on meanwhile is back somewhere else
+        near = np.abs(values[edge + 2 : edge + 2 + _LONGEST_SPIKE] - values[edge]) < min(3.0 * limits[edge], half)
         later = edges[number + 1 : number + 1 + _MOST_JUMPS]
         later = later[is_sure[later] & is_sure[edge] & (later - edge <= len(values) // 2)]
-        later = later[np.abs(values[later + 1] - values[edge]) < most]
+        later = later[np.abs(values[later + 1] - values[edge]) < half]
         if near.any():
             behind = edge + 2 + int(near.argmax())
         elif edge < short:  # a sensor that has not begun yet
