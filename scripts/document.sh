@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Write the generated parts of docs/ anew; --runs also drives the scenarios, --check only looks.
+# Write the generated parts of docs/ anew, and all pages whole to build/pages; --runs also drives, --check only looks.
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"

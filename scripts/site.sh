@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Build the documentation as a site with search: build/site/index.html. A broken link ends it with status 1.
+# Build the documentation as a site with search: build/site/index.html, and pack it: scripts/site.sh [ARCHIVE.tar.gz].
+# A broken link ends it with status 1.
 # The site needs no network; building it for the first time takes pip, and npm for two scripts.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
@@ -27,9 +28,13 @@ if ! is_ready; then
         ae879a688f8b8352c935f8290a3a117bff96cc48f2f7e674f0ba04beef393023db063c26faa5f3f00839534e651dae95d42cac6721b313448e900b52500e6aed
     cat docs/requirements-site.txt scripts/site.sh >"$environment/.complete"
 fi
-rm -rf build/site_pages
-"$environment/bin/python" tools/documentation/site.py . build/site_pages
-mkdir build/site_pages/scripts
-cp "$environment"/*.js build/site_pages/scripts
+scripts/document.sh --pages >/dev/null
+mkdir build/pages/scripts
+cp "$environment"/*.js build/pages/scripts
 NO_MKDOCS_2_WARNING=1 "$environment/bin/python" -m mkdocs build --quiet --strict
 echo "build/site/index.html"
+if [[ $# -gt 0 ]]; then
+    mkdir -p "$(dirname "$1")"
+    tar -czf "$1" -C build site
+    echo "$1"
+fi

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from source_runs import driven
 
-from documentation.markdown import block_names, table, with_blocks
+from documentation.markdown import block_names, built, built_names, table, with_blocks
 from documentation.pages import stale_pages
 from documentation.results import control_period_table, drive_all, result_table
 from documentation.scenario_results import SCENARIO_PAGES, results_of
@@ -37,6 +37,12 @@ def test_only_the_text_between_the_marks_changes():
     page = f"a\n<!-- generated: x -->\nold\n{end}\nb <!-- generated: y -->\n{end}"
     assert block_names(page) == ["x", "y"]
     assert with_blocks(page, {"x": "new\n"}) == page.replace("old", "new")
+
+
+def test_a_mark_and_the_line_behind_it_become_the_part_of_the_built_page():
+    page = "a\n<!-- built: x -->\n*elsewhere*\n\nb\n"
+    assert built_names(page) == ["x"]
+    assert built(page, {"x": "| new |\n"}) == "a\n| new |\n\nb\n"
 
 
 def test_bars_in_a_cell_do_not_end_it():

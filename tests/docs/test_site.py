@@ -1,4 +1,4 @@
-"""The pages as a site: titles in place of file names, a reference from docstrings, and nothing from the network."""
+"""The pages whole, and as a site: all tables, titles in place of file names, a reference, nothing from the network."""
 
 import re
 import subprocess
@@ -7,7 +7,12 @@ from pkgutil import resolve_name
 
 import pytest
 
+from documentation.full_board import kept as kept_board
+from documentation.markdown import built_names
+from documentation.pages import BUILT
+from documentation.scenario_results import kept_study_table
 from documentation.site import gather, titled
+from ev_study.verdicts.sources import published, sources
 
 ROOT = Path(__file__).parents[2]
 ENVIRONMENT = ROOT / "build" / "site_environment" / ".complete"
@@ -47,9 +52,32 @@ def test_no_link_of_a_page_has_the_name_of_a_file_as_its_text(pages: Path):
     assert [name for name, text in texts.items() if re.search(r"\[[\w/.]+\.md\]\(\w+\.md", text)] == []
 
 
+def rows(page: Path, marks: str) -> list[str]:
+    """The first cells of the rows of a page that have such a text as code."""
+    return re.findall(rf"^\| `({marks})` \|", page.read_text(), re.MULTILINE)
+
+
+def test_a_built_page_has_all_tables_that_the_repository_does_not_keep(pages: Path):
+    """Each with a row for everything that it is about; no mark is left, nor the line in its place."""
+    left = [page.name for page in pages.glob("*.md") if built_names(page.read_text())]
+    assert left == [] and sum(len(parts) for parts in BUILT.values()) > 25
+    for name, parts in BUILT.items():
+        kept = (ROOT / name).read_text()
+        assert built_names(kept) == list(parts)
+        assert "built pages](installing.md" not in (pages / Path(name).name).read_text().partition("\n## ")[2]
+    ids = [id for source in sources() for id in published(source)]
+    assert rows(pages / "verdicts.md", r"[a-z]+\.[\w.]+") == ids
+    assert len(rows(pages / "parameters.md", r"[\w.*]+")) > 1000
+    assert len(rows(pages / "benchmark_full.md", r"[\w:]+:\*:v\d+")) == len(kept_board()["cells"])
+    for study in ("faults", "asr_shootout", "outside_laws"):
+        (page,) = (name for name, parts in BUILT.items() if study in parts)
+        table = (pages / Path(page).name).read_text()
+        assert kept_study_table(study) in table
+
+
 def test_no_link_leads_out_of_the_pages(pages: Path):
     """A file of the repository that is no page is named there, without a link that the site could not follow."""
-    assert [page.name for page in pages.glob("*.md") if "](../" in page.read_text()] == []
+    assert [page.name for page in pages.glob("*.md") if re.search(r"\]\((\.\./|measured/)", page.read_text())] == []
     assert "`config/benchmarks/small.yaml`" in (pages / "benchmark.md").read_text()
 
 

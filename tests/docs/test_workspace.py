@@ -147,6 +147,12 @@ def test_the_readme_is_short():
     assert (ROOT / "README.md").read_text().count("\n") <= 150
 
 
+def test_the_pages_of_the_repository_have_what_people_read():
+    """Tables that follow from code or kept numbers are built: scripts/document.sh."""
+    words = sum(len(page.read_text().split()) for page in (ROOT / "docs").rglob("*.md"))
+    assert words <= 120_000
+
+
 def test_requirements_are_pinned():
     lines = [line.partition("#")[0].strip() for line in (ROOT / "requirements.txt").read_text().splitlines()]
     loose = [line for line in lines if line and not re.fullmatch(r"[\w.-]+(\[\w+\])?==\d+(\.\d+)+", line)]

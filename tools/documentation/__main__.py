@@ -1,21 +1,19 @@
-"""scripts/document.sh [--runs [PAGE ...] | --full DIR | --check]"""
+"""scripts/document.sh [--runs [PAGE ...] | --full DIR | --pages | --check]"""
 
 from __future__ import annotations
 
 import argparse
+import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from documentation.benchmark_board import (
     IMAGE,
-    LAW_PAGES,
-    LAWS_PAGE,
     TUNED,
     board_tables,
     drive_small,
     held_out_table,
-    law_pages,
 )
 from documentation.benchmark_board import PAGE as BENCHMARK
 from documentation.hashes import HASHES, all_hashes, changes, hash_table, published_hashes
@@ -24,13 +22,16 @@ from documentation.law_costs import NATIVE, law_table
 from documentation.markdown import with_blocks
 from documentation.pages import CONTROL_PERIODS, README, RESULTS, SHCHUR, stale_pages
 from documentation.processors import BLOCK, PROCESSORS, processor_table
+from documentation.site import BUILT, gather
 from documentation.verdict_tables import NAMES, write_verdicts
 from ev_msgs_py.refusal import unknown_name
 
 
 def main(argv: list[str] | None = None) -> None:
-    """Write the generated parts of docs/ anew; exit status 1 if --check finds one that is stale."""
-    parser = argparse.ArgumentParser(prog="document.sh", description="Write the generated parts of the pages.")
+    """Write the generated parts of docs/ anew, and all pages whole; exit status 1 if --check finds a stale part."""
+    parser = argparse.ArgumentParser(
+        prog="document.sh", description="Write the generated parts of the pages, and all pages whole."
+    )
     parser.add_argument("root", type=Path, help="top of the repository")
     way = parser.add_mutually_exclusive_group()
     way.add_argument(
@@ -42,8 +43,12 @@ def main(argv: list[str] | None = None) -> None:
     way.add_argument(
         "--full", type=Path, metavar="DIR", help="also keep what `run.sh benchmark full --out DIR` has left"
     )
+    way.add_argument("--pages", action="store_true", help=f"only write all pages, whole, to {BUILT}")
     way.add_argument("--check", action="store_true", help="change nothing, name the stale pages")
     given = parser.parse_args(argv)
+    if given.pages:
+        _build(given.root)
+        return
     if given.full is not None:
         _keep_full(given.root, given.full)
     stale = stale_pages(given.root)
@@ -53,8 +58,17 @@ def main(argv: list[str] | None = None) -> None:
             page.write_text(text, encoding="utf-8")
     if given.runs is not None:
         _write_results(given.root, given.runs)
-    if given.check and stale:
+    if not given.check:
+        _build(given.root)
+    elif stale:
         sys.exit(1)
+
+
+def _build(root: Path) -> None:
+    """Write all pages anew, with the parts that the repository does not keep."""
+    shutil.rmtree(root / BUILT, ignore_errors=True)
+    gather(root, root / BUILT)
+    print(f"written: {BUILT}")
 
 
 def _write_results(root: Path, chosen: Sequence[str]) -> None:
@@ -92,7 +106,6 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
     if BENCHMARK in wanted:
         board = drive_small()
         _write(root / BENCHMARK, board_tables(board))
-        _write(root / LAWS_PAGE, {LAW_PAGES: law_pages(board)})
         save_small({IMAGE: board_sheet(board)}, images)
     if held_out in wanted:
         _write(root / BENCHMARK, {TUNED: held_out_table()})

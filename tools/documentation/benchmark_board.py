@@ -1,6 +1,6 @@
 """The board of docs/benchmark.md: scores of all laws, where each wins and breaks, and cells with how to repeat them.
 
-Beside it a page of each law, and tuned laws beside their untuned selves on held-out cases.
+Beside it tuned laws and their untuned selves on held-out cases.
 """
 
 from __future__ import annotations
@@ -13,12 +13,9 @@ import numpy as np
 
 from documentation.markdown import code, table
 from ev_core.parameters.data_file import find_in_config
-from ev_core.parameters.declaration import flatten
 from ev_study.benchmark.added import with_added
 from ev_study.benchmark.board import Board, read_board
-from ev_study.benchmark.cell_runs import law_of, run_of, values_of
 from ev_study.benchmark.held_out import held_out
-from ev_study.benchmark.ranking.law_pages import law_page
 from ev_study.benchmark.ranking.result import BoardResult
 from ev_study.benchmark.ranking.scores import difference, interquartile_mean, tail_mean
 from ev_study.benchmark.ranking.tables import (
@@ -35,7 +32,6 @@ from ev_study.commands.benchmark import drive_board
 PAGE = "docs/benchmark.md"
 TUNED = "tuned"
 PARTS = (TUNED, "closed", "open", "laws", "cells")
-LAWS_PAGE, LAW_PAGES = "docs/benchmark_laws.md", "law pages"
 NAME = "small"
 IMAGE = "benchmark_board"
 HELD_OUT, HELD_OUT_DRAWS = 70613, 5  # a seed that was drawn after the laws had been tuned
@@ -62,27 +58,6 @@ def cell_table(result: BoardResult) -> str:
 def drive_small(pattern: str = "*") -> BoardResult:
     """The cells of the small board that fit."""
     return drive_board(read_board(NAME), pattern)
-
-
-def law_pages(result: BoardResult) -> str:
-    """A section for each law but the reference, with its tuned numbers beside the present ones."""
-    base = result.board
-    cell = base.cells()[0]
-    run, texts = run_of(base, cell, values_of(base, cell)), []
-    for law in result.laws:
-        if law == base.reference:
-            continue
-        texts.append(law_page(result, law))
-        if law in _tuned_files():
-            tuned, (name,) = with_added(base, [f"{law}={_tuned_files()[law]}"])
-            before = {n: v for of in law_of(base, law, run).values() for n, v in flatten(of.parameters).items()}
-            rows = [
-                [code(n), f"{before[n]:.4g}", f"{value:.4g}"]
-                for n, value in tuned.laws[name].items()
-                if base.laws[law].get(n) != value
-            ]
-            texts.append(table(("tuned number", "printed", "tuned"), rows))
-    return "\n".join(texts)
 
 
 def _tuned_files() -> dict[str, Path]:

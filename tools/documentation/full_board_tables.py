@@ -162,8 +162,8 @@ def _shown(value: float | None, form: str) -> str:
     return "-" if value is None else f"{value:{form}}"
 
 
-PARTS: dict[str, Callable[[], str]] = {
-    "full scores": scores,
+SCORES = "full scores"  # the part that the page keeps
+BUILT: dict[str, Callable[[], str]] = {
     "full by car": by_car,
     "full handling by manoeuvre": handling_by_manoeuvre,
     "full energy by manoeuvre": energy_by_manoeuvre,

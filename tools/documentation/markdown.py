@@ -1,10 +1,12 @@
-"""Markdown tables, and the marked parts of a page that are generated."""
+"""Markdown tables, and the marked parts of a page that are generated: those kept in it, and those of the built page."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
+# A part that the repository does not keep: a mark, and the line that stands there until the page is built.
+_BUILT = re.compile(r"<!-- built: (?P<name>[\w ]+) -->\n[^\n]*\n")
 _BLOCK = re.compile(r"<!-- generated: (?P<name>[\w ]+) -->\n(?P<text>.*?)<!-- end of generated -->", re.DOTALL)
 
 
@@ -39,3 +41,13 @@ def with_blocks(page: str, texts: Mapping[str, str]) -> str:
         return f"<!-- generated: {match['name']} -->\n{text.strip()}\n<!-- end of generated -->"
 
     return _BLOCK.sub(marked, page)
+
+
+def built_names(page: str) -> list[str]:
+    """Names of the parts of a page that only the built page has, in order."""
+    return [match["name"] for match in _BUILT.finditer(page)]
+
+
+def built(page: str, texts: Mapping[str, str]) -> str:
+    """The page with these texts in the place of such parts."""
+    return _BUILT.sub(lambda match: f"{texts[match['name']].strip()}\n", page)

@@ -18,6 +18,7 @@ from ev_study.studies.run_study import arguments
 from ev_study.studies.study import Case, CaseResult
 from ev_study.verdicts.need import StudyCases, StudyNeed, cases_of
 
+ROOT = Path(__file__).parents[2]
 FOLDER = "docs/measured"
 LONG = 40  # cases, from which on a study is too long to be driven in a test
 SAMPLE = 2  # cases of a long study that a test drives

@@ -1,8 +1,14 @@
-"""Which page has which generated parts."""
+"""Which page has which generated parts, and which of them only the built page has.
+
+How it works: a part that somebody needs while reading the repository, or that only a run gives, is kept in the page
+between its marks. All others, most of the words, follow from the code or from the numbers in docs/measured: the
+repository has a mark in their place, and building the pages fills it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from documentation import (
@@ -19,8 +25,9 @@ from documentation import (
 from documentation.graph_diagram import graph_diagram
 from documentation.hashes import HASHES
 from documentation.lists import method_table, scenario_table, study_list
-from documentation.markdown import block_names, with_blocks
-from documentation.scenario_results import SCENARIO_PAGES, STUDY_PAGES, STUDY_TABLES
+from documentation.markdown import block_names, built, built_names, with_blocks
+from documentation.scenario_results import LONG_TABLES, SCENARIO_PAGES, STUDY_PAGES, STUDY_TABLES, kept_study_table
+from ev_study.verdicts.sources import sources
 
 SHCHUR = "docs/shchur2019.md"
 CONTROL_PERIODS = "control periods"
@@ -31,49 +38,68 @@ PARTS: dict[str, Callable[[], str]] = {
     "scenarios": scenario_table,
     "studies": study_list,
     "methods": method_table,
-    "common parameters": parameter_reference.common_parameters,
-    "vehicle parameters": parameter_reference.vehicle_parameters,
-    "master parameters": parameter_reference.master_parameters,
-    "recorder parameters": parameter_reference.recorder_parameters,
-    "scenario parameters": parameter_reference.scenario_parameters,
-    "sensor parameters": parameter_reference.sensor_parameters,
-    "method parameters": parameter_reference.method_parameters,
     "topics": topic_reference.topic_table,
     "wheel names": topic_reference.wheel_names,
     "fields": topic_reference.field_tables,
     "metrics of any run": metric_reference.metrics_of_any_run,
-    "functions": metric_reference.functions_of_expressions,
     "series": metric_reference.series_of_expressions,
-    "metrics of reports": metric_reference.metrics_of_reports,
+    "functions": metric_reference.functions_of_expressions,
     "can frames": can_reference.frame_table,
     "can signals": can_reference.signal_table,
     "can faults": can_reference.fault_table,
-    "can gateway": parameter_reference.gateway_parameters,
-    "can inverter": parameter_reference.inverter_parameters,
     "packages": architecture.package_table,
     "rooms": architecture.room_tables,
     "comparisons": comparisons.comparison_table,
-    **full_board_tables.PARTS,
+    full_board_tables.SCORES: full_board_tables.scores,
+}
+
+BUILT: dict[str, dict[str, Callable[[], str]]] = {  # page -> parts that it has where it is built
+    "docs/parameters.md": {
+        "common parameters": parameter_reference.common_parameters,
+        "vehicle parameters": parameter_reference.vehicle_parameters,
+        "master parameters": parameter_reference.master_parameters,
+        "recorder parameters": parameter_reference.recorder_parameters,
+        "scenario parameters": parameter_reference.scenario_parameters,
+        "sensor parameters": parameter_reference.sensor_parameters,
+        "method parameters": parameter_reference.method_parameters,
+    },
+    "docs/metrics.md": {"metrics of reports": metric_reference.metrics_of_reports},
+    "docs/can.md": {
+        "can gateway": parameter_reference.gateway_parameters,
+        "can inverter": parameter_reference.inverter_parameters,
+    },
+    verdict_tables.PAGE: {
+        f"verdicts of {source}": partial(verdict_tables.source_table, source) for source in sources()
+    },
+    full_board_tables.PAGE: full_board_tables.BUILT,
+    **{page: {study: partial(kept_study_table, study)} for page, study in LONG_TABLES.items()},
 }
 
 README = "README.md"
-PAGES = {
+PAGES: dict[str, tuple[str, ...]] = {
+    "docs/parameters.md": (),
     "docs/methods.md": ("scenarios", "studies", "methods"),
-    "docs/parameters.md": tuple(name for name in PARTS if name.endswith("parameters")),
     "docs/topics.md": ("graph", "topics", "wheel names", "fields"),
-    "docs/metrics.md": ("metrics of any run", "series", "functions", "metrics of reports"),
-    "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),
+    "docs/metrics.md": ("metrics of any run", "series", "functions"),
+    "docs/can.md": ("can frames", "can signals", "can faults"),
     "docs/measured.md": ("comparisons",),
     "docs/architecture.md": ("packages", "rooms"),
     HASHES: (RESULTS,),
     SHCHUR: (RESULTS, CONTROL_PERIODS),
-    verdict_tables.PAGE: verdict_tables.PARTS,  # made from runs, too
-    benchmark_board.PAGE: benchmark_board.PARTS,  # the same
-    benchmark_board.LAWS_PAGE: (benchmark_board.LAW_PAGES,),
-    full_board_tables.PAGE: tuple(full_board_tables.PARTS),
+    verdict_tables.PAGE: (verdict_tables.COUNTS,),
+    benchmark_board.PAGE: benchmark_board.PARTS,  # made from runs, too
+    full_board_tables.PAGE: (full_board_tables.SCORES,),
     **{name: (RESULTS, *page.studies, *page.tables) for name, page in SCENARIO_PAGES.items()},
-    **{name: (*studies, *STUDY_TABLES.get(name, {})) for name, studies in STUDY_PAGES.items()},
+    **{
+        name: tuple(study for study in (*studies, *STUDY_TABLES.get(name, {})) if study != LONG_TABLES.get(name))
+        for name, studies in STUDY_PAGES.items()
+    },
 }
+
+
+def whole_page(name: str, text: str) -> str:
+    """A page with all parts that only the built page has."""
+    return built(text, {part: make() for part, make in BUILT.get(name, {}).items()})
 
 
 def stale_pages(root: Path) -> dict[Path, str]:
@@ -86,7 +112,9 @@ def stale_pages(root: Path) -> dict[Path, str]:
         page = root / name
         text = page.read_text(encoding="utf-8")
         if sorted(block_names(text)) != sorted(parts):
-            raise ValueError(f"{name} has the generated parts {block_names(text)}, it should have {list(parts)}")
+            raise ValueError(f"{name} has the generated parts {block_names(text)}, expected {list(parts)}")
+        if sorted(built_names(text)) != sorted(BUILT.get(name, ())):
+            raise ValueError(f"{name} has marks of {built_names(text)}, expected {list(BUILT.get(name, ()))}")
         new = with_blocks(text, {part: PARTS[part]() for part in parts if part in PARTS})
         if new != text:
             stale[page] = new

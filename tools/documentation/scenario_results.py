@@ -8,7 +8,7 @@ from pathlib import Path
 
 from documentation.asr_seeds import seed_tables
 from documentation.markdown import code, table
-from documentation.measured import is_long, write_measured
+from documentation.measured import ROOT, is_long, read_measured, write_measured
 from documentation.neutral_steer import neutral_steer_table, save_bode_plot
 from documentation.results import Driven
 from ev_papers.ge_ni2005.source import CASES
@@ -112,6 +112,11 @@ STUDY_PAGES = {  # pages that show studies alone
     "docs/outside_checks.md": ("outside_friction", "outside_laws", "outside_lap"),
     "docs/dissertation.md": ("five_methods", "urban_sensitivity"),
 }
+LONG_TABLES = {  # studies whose tables only the built page has, by page
+    "docs/asr.md": "asr_shootout",
+    "docs/faults.md": "faults",
+    "docs/outside_checks.md": "outside_laws",
+}
 STUDY_TABLES: dict[str, dict[str, Callable[[], str]]] = {"docs/asr.md": {"seeds": seed_tables}}  # further parts
 
 
@@ -127,6 +132,11 @@ def study_table(name: str, results: Results) -> str:
     study, sums = study_named(name), sums_table(name, results)
     rows = table(study.COLUMNS, study.rows(arguments(name, ()), results))
     return f"{rows}\n{sums}" if sums else rows
+
+
+def kept_study_table(name: str) -> str:
+    """The table of a long study from the numbers that the repository keeps of it."""
+    return study_table(name, read_measured(ROOT, StudyNeed(name)).results)
 
 
 def save_study_images(name: str, results: Results, folder: Path) -> None:

@@ -1,14 +1,16 @@
-"""The pages as a site: those of docs/ and of the top folder where a site has them, and a reference from docstrings."""
+"""All pages, whole: those of docs/ and of the top folder where a site has them, and a reference from docstrings."""
 
 from __future__ import annotations
 
 import ast
 import re
 import shutil
-import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from documentation.pages import whole_page
+
+BUILT = "build/pages"
 TOP = {"README": "index", "CONTRIBUTING": "contributing", "CHANGELOG": "changelog", "SECURITY": "reporting"}
 PLACES = {
     **{f"]({name}.md": f"]({there}.md" for name, there in TOP.items()},
@@ -16,7 +18,7 @@ PLACES = {
     "](docs/": "](",
     "](LICENSE": "](LICENSE.txt",
 }
-OUTSIDE = re.compile(r"\[([^\]\n]+)\]\(\.\./[^)\n]+\)")  # a file of the repository that no page shows
+OUTSIDE = re.compile(r"\[([^\]\n]+)\]\((?:\.\./|measured/)[^)\n]+\)")  # a file of the repository that no page shows
 CODE = re.compile(r"(^```.*?^```$|`[^`\n]+`)", re.MULTILINE | re.DOTALL)
 NAMED = re.compile(r"\[[\w/]*?\w+\.md\]\((\w+\.md)(#[\w-]*)?\)|(?<![\w/])docs/(\w+\.md)\b")
 
@@ -40,7 +42,7 @@ def gather(root: Path, to: Path) -> None:
     for name, there in TOP.items():
         shutil.copy(root / f"{name}.md", to / f"{there}.md")
     shutil.copy(root / "LICENSE", to / "LICENSE.txt")
-    pages = {page.name: page.read_text(encoding="utf-8") for page in to.glob("*.md")}
+    pages = {page.name: whole_page(f"docs/{page.name}", page.read_text(encoding="utf-8")) for page in to.glob("*.md")}
     titles = {name: text.partition("\n")[0].removeprefix("# ") for name, text in pages.items()}
     for name, text in pages.items():
         for link, there in PLACES.items():
@@ -80,7 +82,3 @@ def imported(root: Path, door: str) -> Iterator[str]:
                 yield from (
                     f"{node.module}.{each.name}" for each in node.names if not (each.name == "*" or each.name.isupper())
                 )
-
-
-if __name__ == "__main__":
-    gather(Path(sys.argv[1]), Path(sys.argv[2]))

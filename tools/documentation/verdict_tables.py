@@ -1,62 +1,135 @@
-"""The tables of docs/verdicts.md: one for each source, and how many verdicts of each sort there are."""
+"""The tables of docs/verdicts.md, from what the repository keeps of the verdicts: docs/measured/verdicts.csv.
+
+How it works: a row of the table is what a source published and what came out. The first is in the list of the source.
+Of the second the file keeps a line for each id: the sort of the verdict and our numbers, and the texts of tolerance and
+note if numbers of runs are filled into them. Tests hold the rows that follow against the runs. The repository's page
+has the counts, the built page has the rows too.
+"""
 
 from __future__ import annotations
 
-import re
+import csv
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from documentation.markdown import table, with_blocks
-from documentation.measured import is_long, write_measured
-from ev_sim.measures.metric import REPRODUCED
-from ev_study.verdicts.sources import IN_PART, KINDS, published, sources
-from ev_study.verdicts.verdict import SORTS, WITH_ASSUMPTION, markdown_table, sort_of
+from documentation.measured import FOLDER, ROOT, is_long, write_measured
+from ev_sim.measures.metric import FROM_INPUTS, NOT_MEASURED, REPRODUCED
+from ev_study.verdicts.sources import IN_PART, KINDS, NO_VERDICT, Published, published, sources
+from ev_study.verdicts.verdict import SORTS, WITH_ASSUMPTION, Verdict, markdown_row, markdown_table, sort_of
 
 PAGE = "docs/verdicts.md"
+FILE = f"{FOLDER}/verdicts.csv"
 COUNTS = "verdict counts"
-PARTS = (COUNTS, *(f"verdicts of {source}" for source in sources()))
 NAMES = (PAGE, *(f"{PAGE}#{source}" for source in sources()))  # that document.sh --runs knows
-_ROW = re.compile(r"^\| `(?P<id>[\w.]+)` \|(?P<cells>.*)\|$", re.MULTILINE)
-_VERDICT = -2  # place of its cell
+COLUMNS = ("id", "verdict", "ours", "tolerance", "note")
 _HOLD = (REPRODUCED, WITH_ASSUMPTION, IN_PART)
 _WITH_NUMBERS = ("printed", "follows", "axes")  # the kinds of which the source has numbers
+_BEFORE_NOTE = {WITH_ASSUMPTION: " ", **dict.fromkeys((FROM_INPUTS, IN_PART, *NO_VERDICT, NOT_MEASURED), ": ")}
+
+Line = Mapping[str, str]  # of the file, by column
+
+
+@dataclass(frozen=True, slots=True)
+class KeptVerdict:
+    """A verdict as a row of the table needs it."""
+
+    published: Published
+    ours: str
+    tolerance: str
+    text: str
+    run: str
+
+    @classmethod
+    def of(cls, what: Published, line: Line) -> KeptVerdict:
+        """The verdict on an id of which this line is kept."""
+        note = line["note"] or _plain_note(what)
+        sort = line["verdict"]
+        text = f"{sort}{_BEFORE_NOTE[sort]}{note}" if sort in _BEFORE_NOTE else sort
+        tolerance = line["tolerance"] or _plain_tolerance(what)
+        return cls(what, line["ours"], tolerance, text, Verdict(what, {}, {}, "").run)
+
+
+def line_of(of: Verdict) -> Line:
+    """What is kept of a verdict."""
+    sort, what = sort_of(of.text), of.published
+    note = of.text.removeprefix(f"{sort}{_BEFORE_NOTE[sort]}") if sort in _BEFORE_NOTE else ""
+    return {
+        "id": what.id,
+        "verdict": sort,
+        "ours": of.ours,
+        "tolerance": "" if of.tolerance == _plain_tolerance(what) else of.tolerance,
+        "note": "" if note == _plain_note(what) else note,
+    }
+
+
+def _plain_tolerance(of: Published) -> str:
+    """Tolerances with their reasons, empty if numbers of runs are filled into them."""
+    if not all(check.tolerance.is_plain and check.why.is_plain for check in of.checks):
+        return ""
+    return "; ".join(dict.fromkeys(check.allowed(()) for check in of.checks))
+
+
+def _plain_note(of: Published) -> str:
+    """The text of the note, empty if numbers of runs are filled into it."""
+    return of.text.filled(()) if of.text.is_plain else ""
+
+
+@cache
+def kept(root: Path = ROOT) -> dict[str, Line]:
+    """The lines of the file by id."""
+    with (root / FILE).open(encoding="utf-8", newline="") as file:
+        return {line["id"]: line for line in csv.DictReader(file)}
+
+
+def write_kept(root: Path, lines: Mapping[str, Line]) -> None:
+    """Write the file anew, in the order of the sources."""
+    with (root / FILE).open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(lines[id] for source in sources() for id in published(source) if id in lines)
+    kept.cache_clear()
 
 
 def write_verdicts(root: Path, wanted: Sequence[str]) -> None:
-    """Drive what the verdicts on all sources, or on those wanted, need, and write their tables and the counts."""
+    """Drive what the verdicts on all sources, or on those wanted, need; write what is kept of them, and the counts."""
     from ev_study.commands.verdicts import judge_driven
 
-    page = root / PAGE
-    text = page.read_text(encoding="utf-8")
+    lines = dict(kept(root))
     for source in sources():
         if PAGE in wanted or f"{PAGE}#{source}" in wanted:
             found, driven = judge_driven([source])
-            text = with_blocks(text, {f"verdicts of {source}": markdown_table(found)})
+            lines.update({each.published.id: line_of(each) for each in found})
             for need, cases in driven.items():
                 if is_long(need):
                     write_measured(root, need, cases)
-    page.write_text(with_blocks(text, {COUNTS: count_table(text)}), encoding="utf-8")
-    print(f"written: {page.name}")
+    write_kept(root, lines)
+    page = root / PAGE
+    page.write_text(with_blocks(page.read_text(encoding="utf-8"), {COUNTS: count_table()}), encoding="utf-8")
+    print(f"written: {FILE}, {page.name}")
 
 
-def rows(page: str) -> dict[str, str]:
-    """The line of each id on the page."""
-    return {match["id"]: match[0] for match in _ROW.finditer(page)}
+def source_table(source: str) -> str:
+    """The rows of a source."""
+    return markdown_table([KeptVerdict.of(each, kept()[id]) for id, each in published(source).items()])
 
 
-def count_table(page: str) -> str:
-    """Verdicts of each sort and source on the page, and their sums."""
-    sorts = _sorts(page)
+def row(of: Published) -> str:
+    """The row of an id."""
+    return markdown_row(KeptVerdict.of(of, kept()[of.id]))
+
+
+def count_table() -> str:
+    """Verdicts of each sort and source, and their sums."""
+    sorts = {id: line["verdict"] for id, line in kept().items()}
     lines = [(source, Counter(sorts[id] for id in published(source) if id in sorts)) for source in sources()]
     lines.append(("all", Counter(sorts.values())))
     used = [sort for sort in SORTS if lines[-1][1][sort]]
     cells = [(source, str(found.total()), *(str(found[sort]) for sort in used)) for source, found in lines]
     return "\n".join((table(("source", "ids", *used), cells), _table_of_kinds(sorts)))
-
-
-def _sorts(page: str) -> dict[str, str]:
-    return {id: sort_of(line.split(" | ")[_VERDICT]) for id, line in rows(page).items()}
 
 
 def _table_of_kinds(sorts: Mapping[str, str]) -> str:
