@@ -1,4 +1,4 @@
-"""An index out of range in an exported law of one's own: a status, and nothing outside of the law's row is touched."""
+"""An index out of range or x / 0 in an exported law of one's own: a status, and nothing else of it is touched."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from ev_core.law import Wheels, WheelTorqueCommand, WheelTorqueRequest, compilab
 @dataclass(frozen=True, slots=True)
 class P:
     at: float = parameter(0.0, unit="1", low=-1e9, high=1e9, about="where a torque is kept")
+    by: float = parameter(1.0, unit="1", low=-1.0, high=1.0, about="divisor")
 
 @dataclass(slots=True)
 class S:
@@ -29,8 +30,8 @@ class S:
 @method("asr", "keeping")
 @compilable
 def keeping(p: P, s: S, request: WheelTorqueRequest) -> WheelTorqueCommand:
-    """Writes at any place of its five."""
-    s.steps = s.steps + 1.0
+    """Writes at any place of its five; min hides infinity."""
+    s.steps = s.steps + min(1.0 / p.by / p.by, 1.0)
     s.kept[int(p.at)] = request.drive.front_left
     return WheelTorqueCommand(Wheels(s.steps, s.kept[int(p.at)], s.behind, 0.0), request.brake)
 '''
@@ -48,8 +49,8 @@ def test_an_index_out_of_range_is_a_status_and_the_step_is_none(target: str, tmp
     run = only_run("shchur2019", "", overrides(method={"asr": str(tmp_path / "keeping.py")}))
     content = Content(run, only=["asr"], bare=True)
     inputs = [TORQUE] * len(content.inputs)
-    (at,) = (tunable.name for part in content.parts for tunable in part.tunables)
-    assert at == "asr.at"
+    names = [tunable.name for part in content.parts for tunable in part.tunables]
+    assert names == ["asr.at", "asr.by"]
     with Program(content, build_program(content, TARGETS[target], tmp_path)) as program:
         program.create()
         status, outputs = program.step(inputs)
@@ -58,5 +59,8 @@ def test_an_index_out_of_range_is_a_status_and_the_step_is_none(target: str, tmp
             assert program.set_parameter(0, index) == 0
             assert program.step(inputs)[0] == NOTHING
         assert program.set_parameter(0, -1.0) == 0
+        assert program.set_parameter(1, 0.0) == 0
+        assert program.step(inputs)[0] == NOTHING
+        assert program.set_parameter(1, 1.0) == 0
         status, outputs = program.step(inputs)
         assert (status, outputs[:3]) == (0, [2.0, TORQUE, 7.0])

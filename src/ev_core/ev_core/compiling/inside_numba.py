@@ -3,7 +3,7 @@
 A touch makes compiled code faster to make, to load or to run; without it the same text gives the same bits.
 EV_STACK_PLAIN_NUMBA names touches that shall not be used, separated by commas, or is `all`. A touch is not used either
 where the installed numba lacks its private names: one line says so (docs/compiled_laws.md, tools/newest_numba.py).
-Those of code on disk, `overloads` and `object_code`, are in `inside_numba_code`.
+Those of code on disk, `overloads` and `object_code`, are in `inside_numba_code`, `checks` in `inside_numba_checks`.
 
 numba is imported where it is used: loading it takes longer than a node takes to start.
 """
@@ -35,7 +35,8 @@ TOUCHES = {
     "core.serialize:dumps core.codegen:CodeLibrary.has_dynamic_globals core.dispatcher:Dispatcher.compile",
     "object_code": "core.codegen:CodeLibrary._get_compiled_object core.codegen:CodeLibrary.has_dynamic_globals",
     "options": "",
-    "checks": "core.cpu:CPUTargetOptions.finalize core.targetconfig:ConfigStack.top_or_none",
+    "checks": "core.cpu:CPUTargetOptions.finalize core.targetconfig:ConfigStack.top_or_none "
+    "cpython.mathimpl:registry core.imputils:builtin_registry cpython.builtins:cast_int",
 }
 
 
@@ -69,8 +70,12 @@ def is_used(touch: str) -> bool:
 
 
 @contextmanager
-def only_machine_code_of(name: str) -> Iterator[None]:
-    """What is compiled within becomes machine code if its function has this name, else nobody can call it in Python."""
+def only_machine_code_of(name: str, made: Sequence[Any]) -> Iterator[None]:
+    """What is compiled within becomes machine code if its function has this name, else nobody can call it in Python.
+
+    What numba has `made` of functions of others, which Python may call, is made anew before and behind it.
+    """
+    make_anew(made)
     if not is_used("callees"):
         yield
         return
@@ -97,6 +102,7 @@ def only_machine_code_of(name: str) -> Iterator[None]:
             yield
         finally:
             del codegen.create_library, codegen.set_env
+            make_anew(made)
 
 
 def _libraries() -> tuple[type, type]:
@@ -168,30 +174,6 @@ def make_choices_known() -> None:
     @lower_cast(types.IntEnumMember, types.Float)
     def _as_float(context: Any, builder: Any, kind: Any, to: Any, value: Any) -> Any:
         return context.cast(builder, value, kind.dtype, to)
-
-
-# checks: what a function with `boundscheck` calls checks its indices as well. Plain: every function does, more slowly.
-
-
-@cache
-def make_checks_reach_callees() -> None:
-    """Let functions that are compiled for a caller check their indices where the caller does."""
-    if not is_used("checks"):
-        config: Any = import_module("numba").config
-        config.BOUNDSCHECK = 1
-        return
-    from numba.core.targetconfig import ConfigStack
-
-    options_of_cpu: Any = import_module("numba.core.cpu").CPUTargetOptions
-    finalize = options_of_cpu.finalize
-
-    def inheriting(self: Any, flags: Any, options: Any) -> None:
-        caller: Any = ConfigStack.top_or_none()
-        if caller is not None and caller.boundscheck:
-            flags.boundscheck = True
-        finalize(self, flags, options)
-
-    options_of_cpu.finalize = inheriting
 
 
 # edits: numba forgets what it has made of functions that have changed since. Plain: a new process is asked for.

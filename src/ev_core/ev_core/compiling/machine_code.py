@@ -19,7 +19,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from ev_core.compiling import inside_numba, inside_numba_code
+from ev_core.compiling import inside_numba, inside_numba_checks, inside_numba_code
 from ev_core.compiling.fingerprint import Reach
 from ev_core.compiling.user_cache import alone, cache_folder, read_checked, write_checked
 from ev_msgs_py.compilable import FUNCTIONS, INLINED
@@ -36,13 +36,9 @@ _SETTINGS = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_OPT", "NUMBA_BOUNDSC
 _KEPT_TEXTS = 8  # of one name: those of other checkouts, of branches and of tests come back
 _MAKERS = ("numba", "llvmlite", "numpy")
 # Modules that give the compiler what no text shows: its options, and its treatment of our functions.
-_TELLING = ("inside_numba", "inside_numba_code", "machine_code")
+_TELLING = ("inside_numba", "inside_numba_checks", "inside_numba_code", "machine_code")
 _DIGITS = 12
 _CODE = "code"
-
-# Division by zero gives infinity as in numpy, without a test at each division; sums keep the order in which they are
-# written (no fastmath), so results are the same to the bit in every run.
-OPTIONS: dict[str, Any] = {"error_model": "numpy"}
 
 _registered = 0
 _reached = Reach()
@@ -196,13 +192,14 @@ def _make_known() -> None:
     )
     inside_numba.make_memory_known()
     inside_numba.make_choices_known()
-    inside_numba.make_checks_reach_callees()
+    inside_numba_checks.make_checks_reach_callees()
 
 
 def register_functions() -> None:
     """Make all functions that are marked as compilable so far known to the compiler.
 
-    It keeps what it has made of each of them, and forgets that where one is not what it was.
+    It keeps what it has made of each of them, and forgets that where one is not what it was. Sums keep the order in
+    which they are written (no fastmath), so results are the same to the bit in every run.
     """
     global _registered, _reached
     from numba.extending import register_jitable
@@ -214,14 +211,15 @@ def register_functions() -> None:
         return
     while _registered < len(FUNCTIONS):
         function = FUNCTIONS[_registered]
-        register_jitable(**OPTIONS, no_cfunc_wrapper=True, forceinline=function in INLINED)(function)
+        options = {"error_model": inside_numba_checks.error_model(), "forceinline": function in INLINED}
+        register_jitable(no_cfunc_wrapper=True, **options)(function)
         _registered += 1
     _reached = Reach(*FUNCTIONS)
 
 
-def _make_anew(reach: Reach) -> None:
-    """See to it that what numba has made of functions of others is made of what they are now."""
-    inside_numba.make_anew(sorted(reach.made, key=lambda each: len(Reach(each).functions)))
+def made_by_others(text: str, names: dict[str, Any]) -> list[Any]:
+    """What numba has made of functions that a text reaches (njit, ...), callees first."""
+    return sorted(reach_of(text, names).made, key=lambda each: len(Reach(each).functions))
 
 
 def _keep(function: Any, key: str, reach: Reach) -> None:
@@ -249,8 +247,7 @@ def compiled_address(key: str, text: str, names: dict[str, Any]) -> int:
     if it cannot be called like this.
     """
     _say_compiling(key)
-    _make_anew(reach_of(text, names))
-    with inside_numba.only_machine_code_of("step"):
+    with inside_numba.only_machine_code_of("step", made_by_others(text, names)):
         register_functions()
         step = executed(key, text, names)
     if inside_numba_code.takes_interpreter(step):
@@ -266,7 +263,7 @@ def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
     """The function `step` of a text that uses these names, compiled or loaded with its first call."""
     key = key_of(name, text, names)
     if key not in _functions:
-        _make_anew(reach_of(text, names))
+        inside_numba.make_anew(made_by_others(text, names))
         register_functions()
         _functions[key] = executed(key, text, names)
         _keep(_functions[key], key, reach_of(text, names))

@@ -10,7 +10,14 @@ import re
 from typing import Any, NamedTuple
 
 from ev_core.compiling import inside_numba
-from ev_core.compiling.machine_code import Code, executed, kept_file, key_of, register_functions
+from ev_core.compiling.machine_code import (
+    Code,
+    executed,
+    kept_file,
+    key_of,
+    made_by_others,
+    register_functions,
+)
 from ev_core.compiling.object_symbols import calls
 from ev_core.compiling.user_cache import alone, read_checked, write_checked
 from ev_msgs_py.refusal import ParameterError
@@ -133,7 +140,8 @@ def _of_compiler(code: Code) -> tuple[str, str]:
     with alone(f"{key}.llvm"):
         kept = read_checked(file)
         if kept is None:
-            with inside_numba.only_machine_code_of(""):  # nothing becomes machine code, which would change the text
+            # Nothing becomes machine code, which would change the text.
+            with inside_numba.only_machine_code_of("", made_by_others(code.text, code.names)):
                 register_functions()
                 step = executed(f"{key}_llvm", code.text, code.names)
             kept = f"{step.native_name.removeprefix('cfunc.')}\n{step.inspect_llvm()}".encode()

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ev_core.parameters.declaration import entries
 from ev_doors.export.content import Content
-from ev_doors.export.library import Library
+from ev_doors.export.library import Library, low_of
 from ev_doors.export.targets import Target
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.recording.recording import atomic_file
@@ -143,17 +143,16 @@ def _variables(library: Library) -> list[Variable]:
         attributes = {"name": name, "valueReference": len(found), "causality": causality, "variability": variability}
         attributes |= {} if initial == "none" else {"initial": initial}
         attributes |= {"description": about[name]} if name in about else {}
-        found.append(Variable(attributes, {"unit": unit or "1", **limits}))
+        finite = {name: value for name, value in limits.items() if math.isfinite(value)}
+        found.append(Variable(attributes, {"unit": unit or "1", **finite}))
 
     add("time", "s", "independent continuous none", {})
     for each in content.inputs:
-        add(each.name, each.unit, "input discrete none", {"start": 0.0})
+        add(each.name, each.unit, "input discrete none", {"min": low_of(each), "start": 0.0})
     for each in content.outputs:
         add(each.name, each.unit, "output discrete calculated", {})
     for each, start in tunables:
-        limits = {"min": each.low, "max": each.high, "start": start}
-        finite = {name: value for name, value in limits.items() if math.isfinite(value)}
-        add(each.name, each.unit, "parameter tunable exact", finite)
+        add(each.name, each.unit, "parameter tunable exact", {"min": each.low, "max": each.high, "start": start})
     return found
 
 

@@ -15,8 +15,10 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from ev_core.compiling.machine_code import key_of
 from ev_core.compiling.object_symbols import calls, code_size
 from ev_core.compiling.other_processors import object_file
-from ev_doors.export.content import Content, Part, Tunable
+from ev_doors.export.content import Channel, Content, Part, Tunable
 from ev_doors.export.targets import Target
+from ev_msgs_py.contract.fields import NEGLIGIBLE
+from ev_msgs_py.contract.frame import UNSIGNED_COMMANDS
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.recording.recording import atomic_file
@@ -119,7 +121,8 @@ class Library:
             "symbols": [self.symbol(part) for part in self.content.parts],
             "state_size": self.state_size,
             "constants_size": self.constants_size,
-            "inputs": [Entry(*channel) for channel in self.content.inputs],
+            "inputs": [Entry(*each, low=low_of(each)) for each in self.content.inputs],
+            "negligible": NEGLIGIBLE,
             "outputs": [Entry(*channel) for channel in self.content.outputs],
             "tunables": self.tunables,
             "seeds": [place.constants + n for place in self.places for n in place.part.seeds],
@@ -132,6 +135,11 @@ class Library:
         return [
             each._replace(place=place.constants + each.place) for place in self.places for each in place.part.tunables
         ]
+
+
+def low_of(channel: Channel) -> float:
+    """The least number that an input takes."""
+    return 0.0 if channel.place in UNSIGNED_COMMANDS else -math.inf
 
 
 def file_name(template: str, name: str) -> str:

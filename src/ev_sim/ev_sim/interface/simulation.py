@@ -6,7 +6,6 @@ And one law on its own, stepped by channels: what a learner imitates.
 from __future__ import annotations
 
 import copy
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -19,13 +18,13 @@ from ev_core.lockstep.parts import compiled_parts, part_of
 from ev_core.lockstep.run import call, refuse_not_finite, roles_in_order
 from ev_core.sensors.row import imperfect
 from ev_msgs_py.contract import frame, stamps
-from ev_msgs_py.contract.fields import NEGLIGIBLE
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.interface.driving import Name, only_run, overrides
+from ev_sim.interface.inputs import taken_input
 from ev_sim.recording.recording import Recording, recording_of
 from ev_sim.scenarios.scenario import Run
 
@@ -62,12 +61,12 @@ class SteppedLaw:
     def answer(self, time: float, given: Mapping[str, float]) -> dict[str, float]:
         """What it writes at an instant [s], by channel in SI units; inputs that are not given keep their last value.
 
-        SignalError if a number is not finite.
+        ParameterError for an input that no run has, SignalError if an output is not finite.
         """
         self._here[frame.TIME] = time
         for name, place in self._inputs.items():
             if name in given:
-                self._here[place] = given[name]
+                self._here[place] = taken_input(name, place, given[name])
         here = Frame.of(self._here)
         self._part.step(here, here)
         return {name: here.numbers[place] for name, place in self._outputs.items()}
@@ -190,16 +189,14 @@ class Simulation:
         `inputs` are by channel what the roles that are left out write at this instant, in SI units; a channel that is
         not named keeps its last value, which is 0 at the start. ParameterError for another channel or no finite number.
         """
+        taken: dict[int, float] = {}
         for name, value in (inputs or {}).items():
             if name not in self._inputs:
                 raise unknown_name("input", name, self.inputs)
-            if not math.isfinite(value):
-                raise ParameterError(f"input {name}: {quoted(value)} is refused, expected a finite number")
-            if self._inputs[name] in frame.UNSIGNED_COMMANDS and value < -NEGLIGIBLE:
-                raise ParameterError(f"input {name}: {quoted(value)} is refused, expected 0 or more")
-        for name, value in (inputs or {}).items():
             place = self._inputs[name]
-            self._here[place] = 0.0 if value < 0.0 and place in frame.UNSIGNED_COMMANDS else value
+            taken[place] = taken_input(name, place, value)
+        for place, value in taken.items():
+            self._here[place] = value
         self._answer(self._behind)
         self._next[:] = self._here
         self._next[frame.TIME] = self._time_of(self._instant + 1)  # by which faults know when they strike

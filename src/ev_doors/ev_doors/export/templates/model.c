@@ -129,14 +129,17 @@ int32_t {{ name }}_reset({{ name }} *it, uint32_t seed)
 int32_t {{ name }}_check_input(int32_t index, double value)
 {
     if (index < 0 || index >= {{ upper }}_INPUTS) return {{ upper }}_NO_SUCH_INDEX;
-    return is_finite(value) ? 0 : {{ upper }}_NOT_FINITE;
+    if (!is_finite(value)) return {{ upper }}_NOT_FINITE;
+    return value < {{ name }}_inputs[index].low - {{ negligible }} ? {{ upper }}_OUT_OF_RANGE : 0; /* as in a run */
 }
 
 int32_t {{ name }}_set_input({{ name }} *it, int32_t index, double value)
 {
     int32_t status = {{ name }}_check_input(index, value);
-    if (!status) frame_of(it, it->instant)[{{ name }}_inputs[index].place] = value;
-    return status;
+    if (status) return status;
+    const {{ name }}_entry *entry = &{{ name }}_inputs[index];
+    frame_of(it, it->instant)[entry->place] = value < entry->low ? entry->low : value;
+    return 0;
 }
 
 double {{ name }}_input(const {{ name }} *it, int32_t index)

@@ -56,7 +56,8 @@ int32_t {{ name }}_create({{ name }} *it);
 /* At rest again; parameters stay. {% if content.takes_seeds %}Everything random goes with the seed.{% else %}Another seed than {{ upper }}_SEED is refused: it would need other constants.{% endif %} */
 int32_t {{ name }}_reset({{ name }} *it, uint32_t seed);
 
-/* An input is held until it is set again; one that is not finite is refused, and nothing changes. */
+/* An input is held until it is set again; one that is not finite, or a brake torque below 0, is refused, and nothing
+ * changes. From -{{ negligible }} on it is what rounding leaves of a difference, and 0. */
 int32_t {{ name }}_set_input({{ name }} *it, int32_t index, double value);
 int32_t {{ name }}_set_parameter({{ name }} *it, int32_t index, double value);
 
