@@ -45,7 +45,7 @@ run_role("asr")
 '''
 
 
-def start(words: list[str], domain: int = 0) -> subprocess.Popen:
+def start(words: list[str], domain: int | str = 0) -> subprocess.Popen:
     environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
     return subprocess.Popen(words, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
@@ -286,6 +286,15 @@ def test_bad_input_is_one_line_and_status_1(words, named):
     assert process.returncode == 1
     assert said.count("\n") == 1 and said.startswith("driver: ")
     assert named in said
+
+
+@pytest.mark.parametrize("domain", ["-1", "1.5", "300"])
+def test_a_node_of_no_domain_is_one_line_and_status_1(domain):
+    """ROS itself silently takes domain 0 for -1, and 1 for 1.5."""
+    process = start([*command("driver")], domain)
+    said, _ = process.communicate(timeout=PATIENCE)
+    expected = f"driver: ROS_DOMAIN_ID={domain} is refused, expected a whole number from 0 to 232\n"
+    assert (process.returncode, said) == (1, expected)
 
 
 @pytest.mark.parametrize("word", ["-h", "--help"])

@@ -22,6 +22,7 @@ from rosidl_generator_py.import_type_support_impl import UnsupportedTypeSupport
 from ev_core.methods.register import NODES
 from ev_core.nodes import ros_parameters
 from ev_core.nodes.master.node import MasterNode
+from ev_core.nodes.ros_domain import given_domain
 from ev_core.nodes.spinning import spin
 from ev_core.nodes.stepped_node import SteppedNode
 from ev_core.nodes.stop_request import KEPT, StopRequest, end, turn_deaf
@@ -128,7 +129,7 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
                 raise ValueError(f"unknown argument {quoted(others[0])}; options of a node follow --ros-args")
             refuse_weak_security(os.environ)
             refuse_late_time_of_day()
-            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+            rclpy.init(domain_id=given_domain(os.environ), signal_handler_options=SignalHandlerOptions.NO)
             node = make()
             own = node.get_name()
             if own != name and name in (*ROLES, RECORDER):  # nobody would take its messages

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import os
 import time
 
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
+from ev_core.nodes.ros_domain import given_domain
 from ev_core.nodes.stop_request import StopRequest
-from ev_core.run_role import NO_LOG_FILE, leave_graph
+from ev_core.run_role import NO_LOG_FILE, OF_ROS, leave_graph, one_line
 from ev_doors.dashboard.controls import Controls
 from ev_doors.dashboard.live_frames import LiveFrames
 from ev_doors.dashboard.ros_views import RosViews
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.command_line.refusal import refuse
 from ev_sim.views.messages import CarViews
 
 _VISUALIZATION = "visualization"  # in the graph
@@ -21,7 +25,11 @@ _VIEW_PERIOD = 0.05  # s of wall time between two looks
 def visualize(argv: list[str]) -> None:
     """ev-stack visualization [--ros-args ...]; the namespace is /ev unless -r __ns:=/NAME gives another one."""
     with StopRequest() as stop:
-        rclpy.init(args=[*argv, "--ros-args", NO_LOG_FILE], signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            words, domain = [*argv, "--ros-args", NO_LOG_FILE], given_domain(os.environ)
+            rclpy.init(args=words, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+        except (ParameterError, *OF_ROS) as error:
+            refuse(one_line(error))
         try:
             node = rclpy.create_node(_VISUALIZATION, namespace="ev", start_parameter_services=False)
             frames = LiveFrames(node, lambda cause, text: node.get_logger().warning(text, once=True))

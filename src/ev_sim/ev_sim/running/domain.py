@@ -17,7 +17,9 @@ from typing import Any
 
 from ev_core.bus.parameters import CIRCUITS, LOOPBACK, BusInterface
 from ev_core.bus.socketcand_hub import HOST
+from ev_core.nodes.ros_domain import given_domain
 from ev_core.nodes.stop_request import StopRequest
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.recording.outcome import RunFailed, announce
 from ev_sim.recording.recording import PARAMETERS
 from ev_sim.running.children import ends_with_us
@@ -26,7 +28,6 @@ from ev_sim.scenarios.scenario import Run
 
 _RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _DOMAINS = range(1, 102)  # those that are safe on every operating system
-_LAST = 232  # whose ports still are ports
 _FIRST_PORT, _PORTS_PER_DOMAIN = 7400, 250  # of DDS: multicast discovery of a domain
 _PARTICIPANTS = 32  # among which nodes look for each other (config/fastdds.xml)
 _UNICAST = 10  # offset of the first participant's port
@@ -70,13 +71,14 @@ def free_domain() -> Iterator[int]:
 
     ROS_DOMAIN_ID goes before: it is set to look at the run from outside.
     """
-    given = os.environ.get("ROS_DOMAIN_ID", "")
     if os.environ.get(_RANGE) == "OFF":
         raise RunFailed(f"{_RANGE}=OFF is refused: no node would find another one, expected LOCALHOST or SUBNET")
-    if given:
-        if not (given.isdecimal() and int(given) <= _LAST):
-            raise RunFailed(f"ROS_DOMAIN_ID={given} is refused, expected a whole number from 0 to {_LAST}")
-        yield int(given)
+    try:
+        given = given_domain(os.environ)
+    except ParameterError as error:
+        raise RunFailed(str(error)) from None
+    if given is not None:
+        yield given
         return
     for domain in _DOMAINS:
         with _reservation(domain) as reserved:
