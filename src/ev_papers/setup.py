@@ -9,7 +9,14 @@ PACKAGE = ElementTree.parse("package.xml").getroot()
 VERSION = PACKAGE.findtext("version")
 
 HERE = Path(__file__).parent
-SOURCES = ("shchur2019", "ge_ni2005", "tatar_chudzik", "dissertation", "zhileykin2018", "outside_checks")
+SOURCES = (
+    "shchur2019",
+    "ge_ni2005",
+    "tatar_chudzik",
+    "dissertation",
+    "zhileykin2018",
+    "outside_checks",
+)
 REPORTS = [
     "shchur2019 = ev_papers.shchur2019.source",
     "shchur2019_steps = ev_papers.shchur2019.report_steps",
@@ -42,7 +49,11 @@ STUDIES = [
 def there(points: list[str]) -> list[str]:
     """The entry points whose modules are in this folder."""
     modules = [HERE / point.partition(" = ")[2].replace(".", "/") for point in points]
-    return [point for point, module in zip(points, modules, strict=True) if module.with_suffix(".py").is_file()]
+    return [
+        point
+        for point, module in zip(points, modules, strict=True)
+        if module.with_suffix(".py").is_file()
+    ]
 
 
 setup(

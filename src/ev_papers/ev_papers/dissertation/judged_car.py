@@ -74,11 +74,15 @@ def peak_friction(surface: str) -> float:
 
 def share_of_snow(driven: ScenarioRuns, side: str) -> float:
     """Mean share of the length of one side over ten roads, as far as the cycle is long [1]."""
-    road = {key: value for key, value in driven.parameters["plant"].items() if key.startswith("road.")}
+    road = {
+        key: value for key, value in driven.parameters["plant"].items() if key.startswith("road.")
+    }
     given = {key.removeprefix("road."): value for key, value in road.items()}
     shares = []
     for seed in _SEEDS:
-        segments = left_and_right(RoadParameters(**{**given, "seed": seed}))[("left", "right").index(side)]
+        segments = left_and_right(RoadParameters(**{**given, "seed": seed}))[
+            ("left", "right").index(side)
+        ]
         edges = np.clip([*segments.start, math.inf], 0.0, _CYCLE)
         snow = [name.startswith("packed_snow") for name in segments.surface]
         shares.append(float(np.diff(edges)[snow].sum()) / _CYCLE)
@@ -93,9 +97,14 @@ def largest_efficiency(end: str, f_0: float) -> float:
     """
     slips = np.linspace(0.002, 0.3, 300)
     torque, useful, speed = 0.0, 0.0, 0.0
-    for share, name, axis in ((0.4, "wet_asphalt_1", (slice(None), None)), (0.6, "packed_snow_1", (None, slice(None)))):
+    for share, name, axis in (
+        (0.4, "wet_asphalt_1", (slice(None), None)),
+        (0.6, "packed_snow_1", (None, slice(None))),
+    ):
         of = SURFACES[name]
-        rolling = f_0 + (of.rolling_resistance if end == "middle" else of.rolling_resistance_range[0])
+        rolling = f_0 + (
+            of.rolling_resistance if end == "middle" else of.rolling_resistance_range[0]
+        )
         use = of.c1 * (1.0 - np.exp(-of.c2 * slips)) - of.c3 * slips
         useful = useful + share * use[axis]
         torque = torque + share * (use + rolling)[axis]

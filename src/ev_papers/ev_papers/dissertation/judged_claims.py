@@ -15,7 +15,12 @@ from ev_sim.surfaces import SURFACES
 from ev_study.verdicts.need import ScenarioRuns, StudyCases
 
 _GROUPS = {  # of section 1.4: by forecast of slip, by slip, by torque; the last one is the dissertation's own
-    "forecast": ("acceleration_ratio", "speed_by_acceleration_ratio", "expected_signal", "adhesion_limit"),
+    "forecast": (
+        "acceleration_ratio",
+        "speed_by_acceleration_ratio",
+        "expected_signal",
+        "adhesion_limit",
+    ),
     "slip": ("speed_by_slip", "fuzzy", "pi_slip", "feedback_linearisation", "modified_lambda"),
     "torque": ("held_torque", "slip_window", "maximum_transmissible_torque", "least_squares"),
 }
@@ -85,7 +90,8 @@ def share_beyond_grip(driven: ScenarioRuns) -> float:
     """Share of the torque that the left wheel gets less its share of the friction [1]."""
     run = _launch(driven)
     torque, friction = (
-        _of_front(run, name).sum(axis=1) for name in ("torque_command.drive", "tire_forces.friction_coefficient")
+        _of_front(run, name).sum(axis=1)
+        for name in ("torque_command.drive", "tire_forces.friction_coefficient")
     )
     return float(torque[0] / torque.sum() - friction[0] / friction.sum())
 
@@ -94,7 +100,9 @@ def motor_torque(driven: ScenarioRuns, sample: str) -> float:
     """Torque of the left motor when the slip begins to rise, or when it has passed its peak (first, last) [N m]."""
     run = run_named(driven.runs, "urban_mixed")
     window = first_passed_peak(run, driven.vehicle, "front_left").window
-    return float(channel(run, "motor_states.effort.front_left")[window][{"first": 0, "last": -1}[sample]])
+    return float(
+        channel(run, "motor_states.effort.front_left")[window][{"first": 0, "last": -1}[sample]]
+    )
 
 
 def fit_error(driven: ScenarioRuns, power: float) -> float:

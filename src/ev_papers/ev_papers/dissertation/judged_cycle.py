@@ -15,7 +15,12 @@ from ev_core.vehicle.driveline import wheel_inertia
 from ev_core.vehicle.losses import loss_power
 from ev_msgs_py.contract.optional_signals import BenchTemperatures
 from ev_papers.dissertation.measures.circuits import CircuitSums, circuits
-from ev_papers.dissertation.measures.slip_curve import LARGEST_ERROR, SlipCurve, first_passed_peak, slip_and_road_torque
+from ev_papers.dissertation.measures.slip_curve import (
+    LARGEST_ERROR,
+    SlipCurve,
+    first_passed_peak,
+    slip_and_road_torque,
+)
 from ev_papers.dissertation.measures.traction_windows import traction
 from ev_papers.dissertation.studies.bench_difference import apart
 from ev_sim.measures.metric import channel, run_named
@@ -98,12 +103,16 @@ class _Samples:
         speed = channel(run, f"wheel_states.velocity.{_LEFT}")
         period = np.diff(run.time, prepend=run.time[0] - 1.0)
         force = channel(run, f"tire_forces.longitudinal_force.{_LEFT}")[self.inside]
-        gained = wheel_inertia(car, _LEFT) * (np.diff(speed, prepend=speed[0]) / period)[self.inside]
+        gained = (
+            wheel_inertia(car, _LEFT) * (np.diff(speed, prepend=speed[0]) / period)[self.inside]
+        )
         self.torque = channel(run, f"wheel_states.effort.{_LEFT}")[self.inside]  # M_k [N m]
         self.resistance = self.torque - car.wheel_radius * force - gained  # M_f [N m]
         self.speed = speed[self.inside]  # w_k [rad/s]
         self.free = channel(run, "wheel_states.velocity.rear_left")[self.inside]  # w_free [rad/s]
-        motor, shaft = (channel(run, f"motor_states.{of}.{_LEFT}")[self.inside] for of in ("effort", "velocity"))
+        motor, shaft = (
+            channel(run, f"motor_states.{of}.{_LEFT}")[self.inside] for of in ("effort", "velocity")
+        )
         self.mechanical = motor * shaft  # [W]
         self.electrical = self.mechanical + loss_power(car.motor, motor, shaft)  # U I [W]
         self.reported = circuits(run, car, self.inside)[_LEFT]
@@ -158,7 +167,9 @@ def beyond_the_zero_of_the_slope(driven: ScenarioRuns) -> float:
     low, high = 1e-12, 1.0
     for _ in range(200):
         middle = (low + high) / 2
-        low, high = (middle, high) if curve.a + curve.b / (2 * math.sqrt(middle)) > 0.0 else (low, middle)
+        low, high = (
+            (middle, high) if curve.a + curve.b / (2 * math.sqrt(middle)) > 0.0 else (low, middle)
+        )
     return abs(curve.peak - low)
 
 
@@ -182,14 +193,18 @@ def six_steps(driven: ScenarioRuns) -> float:
     """1 if the six steps lead back to the beginning and every other step is refused on the way."""
     sequence, in_order = Sequence(), True
     for due in SEQUENCE_STEPS:
-        in_order = in_order and all(_refused(sequence, step) for step in SEQUENCE_STEPS if step != due)
+        in_order = in_order and all(
+            _refused(sequence, step) for step in SEQUENCE_STEPS if step != due
+        )
         sequence = sequence.after(due, cooling=True)
     return float(in_order and sequence == Sequence())
 
 
 def highest(driven: ScenarioRuns, sensor: str, unit: str = "1") -> float:
     """The range of a sensor of the bench, in a unit."""
-    return float(driven.parameters["test_bench"][f"sensors.{sensor}.highest"]) / _UNITS.get(unit, 1.0)
+    return float(driven.parameters["test_bench"][f"sensors.{sensor}.highest"]) / _UNITS.get(
+        unit, 1.0
+    )
 
 
 def error(driven: ScenarioRuns, sensor: str, whole: float, unit: str = "1") -> float:
@@ -206,7 +221,10 @@ def temperatures(driven: ScenarioRuns) -> float:
 def torque_that_drives(driven: ScenarioRuns) -> float:
     """Torque of the virtual wheel over the one that the bench has measured with its rotor, while it drives [1]."""
     run = _bench(driven)
-    motor, wheel = channel(run, f"motor_states.effort.{_RIGHT}"), channel(run, f"wheel_states.effort.{_RIGHT}")
+    motor, wheel = (
+        channel(run, f"motor_states.effort.{_RIGHT}"),
+        channel(run, f"wheel_states.effort.{_RIGHT}"),
+    )
     drives = motor > _CLEAR
     gear = driven.vehicle.gear_ratio * driven.vehicle.motor.gear_efficiency
     return float(wheel[drives].sum() / (gear * motor[drives].sum()))
@@ -215,7 +233,10 @@ def torque_that_drives(driven: ScenarioRuns) -> float:
 def spins_with_excess(driven: ScenarioRuns) -> float:
     """Share of the instants under torque at which the wheel gains speed where M_em exceeds M_nu, and loses it else."""
     run = _bench(driven)
-    machine, load = channel(run, f"motor_states.effort.{_RIGHT}"), channel(run, f"bench.load_command.torque.{_RIGHT}")
+    machine, load = (
+        channel(run, f"motor_states.effort.{_RIGHT}"),
+        channel(run, f"bench.load_command.torque.{_RIGHT}"),
+    )
     gained = np.diff(channel(run, f"wheel_states.velocity.{_RIGHT}"))[1:-1]
     excess = machine[2:-1] * driven.vehicle.motor.gear_efficiency - load[1:-2]
     clear = (np.abs(excess) > _CLEAR) & (machine[2:-1] > 0.0)
@@ -233,7 +254,11 @@ def difference(model: ScenarioRuns, bench: ScenarioRuns) -> float:
     """Mean difference of the right torque in traction over its largest value [%]."""
     run = _model(model)
     measured = channel(_bench(bench), f"bench.shafts.torque.{_RIGHT}")
-    return apart(measured, channel(run, f"motor_states.effort.{_RIGHT}"), traction(run, model.parameters["driver"]))
+    return apart(
+        measured,
+        channel(run, f"motor_states.effort.{_RIGHT}"),
+        traction(run, model.parameters["driver"]),
+    )
 
 
 def difference_over(model: ScenarioRuns, bench: ScenarioRuns, exact: ScenarioRuns) -> float:
@@ -257,4 +282,9 @@ def load_machine(driven: ScenarioRuns, run: str, quantity: str, side: str) -> fl
 def loops_with_flow(driven: ScenarioRuns) -> float:
     """Coolant loops whose flow is measured [1]."""
     run = run_named(driven.runs, "constant_speed")
-    return float(sum(name.startswith("bench.coolant.") and run.channels[name][-1] > 0.0 for name in run.channels))
+    return float(
+        sum(
+            name.startswith("bench.coolant.") and run.channels[name][-1] > 0.0
+            for name in run.channels
+        )
+    )

@@ -11,7 +11,13 @@ import statistics
 
 from ev_papers.dissertation.measures.urban_cases import FIVE
 from ev_papers.dissertation.studies import five_methods
-from ev_papers.dissertation.studies.five_methods import KILOWATT_HOUR, KILOWATT_MINUTE, gains, savings, values_of
+from ev_papers.dissertation.studies.five_methods import (
+    KILOWATT_HOUR,
+    KILOWATT_MINUTE,
+    gains,
+    savings,
+    values_of,
+)
 from ev_sim.measures.metric import NotMeasured
 from ev_study.verdicts.need import StudyCases
 
@@ -23,7 +29,9 @@ _COMPARE = {">": operator.gt, ">=": operator.ge, "<": operator.lt}
 
 def _seeds(driven: StudyCases, quantity: str, method: float, driver: str) -> list[float]:
     """A quantity of a method on each road; NotMeasured if there is none."""
-    values = [value[quantity] for value in values_of(driven.given, driven.results, f"{method:g}", driver)]
+    values = [
+        value[quantity] for value in values_of(driven.given, driven.results, f"{method:g}", driver)
+    ]
     if not values:
         raise NotMeasured(f"method {method:g} was not driven with {driver}")
     return values
@@ -40,7 +48,9 @@ def _means(driven: StudyCases, quantity: str, driver: str) -> dict[int, float]:
 
 def total(driven: StudyCases, wheel: str, method: float) -> float:
     """Mean over the roads of wheel efficiency, by one of its quantities, times drive efficiency [%]."""
-    of = (_seeds(driven, quantity, method, _IMPOSED_SPEED) for quantity in (wheel, "drive_efficiency"))
+    of = (
+        _seeds(driven, quantity, method, _IMPOSED_SPEED) for quantity in (wheel, "drive_efficiency")
+    )
     return 100.0 * statistics.fmean(a * b for a, b in zip(*of, strict=True))
 
 
@@ -50,29 +60,41 @@ def share_in_order(driven: StudyCases, quantity: str, driver: str, order: str) -
     first, *rest = re.split(r"([<>]=?)", order)
     steps = list(zip([first, *rest[1::2]], rest[::2], rest[1::2], strict=False))
     roads = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-    return sum(all(_COMPARE[sign](of[one], of[other]) for one, sign, other in steps) for of in roads) / len(roads)
+    return sum(
+        all(_COMPARE[sign](of[one], of[other]) for one, sign, other in steps) for of in roads
+    ) / len(roads)
 
 
 def difference_of_methods(driven: StudyCases, quantity: str, one: float, other: float) -> float:
     """The mean of a quantity of one method minus that of another."""
-    return mean(driven, quantity, one, _IMPOSED_SPEED) - mean(driven, quantity, other, _IMPOSED_SPEED)
+    return mean(driven, quantity, one, _IMPOSED_SPEED) - mean(
+        driven, quantity, other, _IMPOSED_SPEED
+    )
 
 
 def right_minus_left(driven: StudyCases, quantity: str, method: float) -> float:
     """The mean of a quantity on the right minus that on the left."""
-    right, left = (mean(driven, f"{quantity}_{side}", method, _IMPOSED_SPEED) for side in ("right", "left"))
+    right, left = (
+        mean(driven, f"{quantity}_{side}", method, _IMPOSED_SPEED) for side in ("right", "left")
+    )
     return right - left
 
 
 def farthest_right_from_left(driven: StudyCases, quantity: str, method: float) -> float:
     """The largest difference of a quantity right and left on one road, rounded to a thousandth."""
-    right, left = (_seeds(driven, f"{quantity}_{side}", method, _IMPOSED_SPEED) for side in ("right", "left"))
+    right, left = (
+        _seeds(driven, f"{quantity}_{side}", method, _IMPOSED_SPEED) for side in ("right", "left")
+    )
     return round(max(abs(a - b) for a, b in zip(right, left, strict=True)), 3)
 
 
 def product_of_tables(method: float) -> float:
     """Wheel times drive efficiency of table 5.6 [%]."""
-    return 100.0 * five_methods.BENCH_WHEEL_EFFICIENCY[int(method)] * five_methods.DRIVE_EFFICIENCY[int(method)]
+    return (
+        100.0
+        * five_methods.BENCH_WHEEL_EFFICIENCY[int(method)]
+        * five_methods.DRIVE_EFFICIENCY[int(method)]
+    )
 
 
 def gain_of_tables(driven: StudyCases, table: str, end: str, over: str) -> float:

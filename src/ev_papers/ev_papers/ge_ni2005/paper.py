@@ -57,9 +57,15 @@ def steady_turn(rear_steering: float = 0.0) -> SteadyTurn:
     gradient = MASS * (REAR_ARM / FRONT_STIFFNESS - FRONT_ARM / REAR_STIFFNESS) / WHEELBASE
     rear = rear_steering * (1.0 + 2.0 * TORQUE / RADIUS / REAR_STIFFNESS)
     yaw_rate = (STEERING - rear) * SPEED / (WHEELBASE + gradient * SPEED**2)
-    lateral = REAR_ARM * yaw_rate + rear * SPEED - MASS * FRONT_ARM * SPEED**2 * yaw_rate / (REAR_STIFFNESS * WHEELBASE)
+    lateral = (
+        REAR_ARM * yaw_rate
+        + rear * SPEED
+        - MASS * FRONT_ARM * SPEED**2 * yaw_rate / (REAR_STIFFNESS * WHEELBASE)
+    )
     speed = math.hypot(SPEED, lateral)
-    return SteadyTurn(yaw_rate, math.atan2(lateral, SPEED), lateral, speed / yaw_rate, speed * yaw_rate)
+    return SteadyTurn(
+        yaw_rate, math.atan2(lateral, SPEED), lateral, speed / yaw_rate, speed * yaw_rate
+    )
 
 
 def rear_loads() -> tuple[float, float]:

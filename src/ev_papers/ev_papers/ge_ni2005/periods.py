@@ -42,14 +42,19 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """The largest chatter of each run over all periods."""
     return {
-        f"chatter_{run}": metric(lambda r=run: max(_chatter(results, r, period) for period in PERIODS), "N m/s")
+        f"chatter_{run}": metric(
+            lambda r=run: max(_chatter(results, r, period) for period in PERIODS), "N m/s"
+        )
         for run in COMPARED
     }
 
 
 def rows(given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
     """One row for each period."""
-    return [(f"{1e3 * period:g}", *(f"{_chatter(results, run, period):.3g}" for run in COMPARED)) for period in PERIODS]
+    return [
+        (f"{1e3 * period:g}", *(f"{_chatter(results, run, period):.3g}" for run in COMPARED))
+        for period in PERIODS
+    ]
 
 
 def _chatter(results: Results, run: str, period: float) -> float:

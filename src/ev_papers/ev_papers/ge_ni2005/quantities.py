@@ -46,7 +46,9 @@ def rim_speed(run: Recording, side: str, vehicle: Vehicle) -> np.ndarray:
 
 def response_time(run: Recording, final: float) -> float:
     """Time to 90 % of a final yaw rate [rad/s], in [s]."""
-    return motion.crossing_time(run.time, channel(run, motion.YAW_RATE) / final, 0.9, "90 % of the yaw rate")
+    return motion.crossing_time(
+        run.time, channel(run, motion.YAW_RATE) / final, 0.9, "90 % of the yaw rate"
+    )
 
 
 def own_response_time(run: Recording) -> float:
@@ -62,7 +64,10 @@ def chatter(run: Recording) -> float:
     late = run.time >= begin
     torques = [channel(run, f"torque_request.drive.rear_{side}")[late] for side in SIDES]
     return (
-        sum(float(np.abs(np.diff(torque)).sum() - abs(torque[-1] - torque[0])) for torque in torques) / CHATTER_WINDOW
+        sum(
+            float(np.abs(np.diff(torque)).sum() - abs(torque[-1] - torque[0])) for torque in torques
+        )
+        / CHATTER_WINDOW
     )
 
 

@@ -20,7 +20,14 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_papers.ge_ni2005 import measures, paper
 from ev_papers.ge_ni2005.measures import BASELINE
-from ev_papers.ge_ni2005.quantities import OVER_TIME, QUANTITIES, SIDES, ground_speed, rim_speed, slip
+from ev_papers.ge_ni2005.quantities import (
+    OVER_TIME,
+    QUANTITIES,
+    SIDES,
+    ground_speed,
+    rim_speed,
+    slip,
+)
 from ev_sim.figures.panels import Curve, Panel, degrees, level, panel, readable
 from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
@@ -35,16 +42,31 @@ from ev_study.verdicts.verdict import metrics_at_hand
 
 READINGS = ("rate", "offset", "increment")
 FREE_SPEED, FULL_CAR = "_free_speed", "_full_car"
-CASES = ("", FREE_SPEED, FULL_CAR, FULL_CAR + FREE_SPEED)  # what the names of runs end with: car and speed
+CASES = (
+    "",
+    FREE_SPEED,
+    FULL_CAR,
+    FULL_CAR + FREE_SPEED,
+)  # what the names of runs end with: car and speed
 # What the law is claimed to change against equal torques; on the speed of the car with u free, on all else with u held.
 ORDERINGS = tuple(
-    f"ge.claim.{name}" for name in ("beta", "radius", "centripetal", "yaw_rate", "v", "slip_use", "speed")
+    f"ge.claim.{name}"
+    for name in ("beta", "radius", "centripetal", "yaw_rate", "v", "slip_use", "speed")
 )
 SWITCHED = "_switched"
-LOWER_TARGET = 0.088  # of the runs *_lower_target: between the slips of both wheels with equal torques [1]
+LOWER_TARGET = (
+    0.088  # of the runs *_lower_target: between the slips of both wheels with equal torques [1]
+)
 CHATTER_ALONE = (SWITCHED, "_lower_target")  # runs that differ from others in this only
-CHATTERING = ("rate_lower_target", "offset_lower_target", "increment")  # runs that come to their target slip
-SETTLED = (2.0, 3.0)  # [s], where the steady turn with equal torques is drawn that follows from the printed equations
+CHATTERING = (
+    "rate_lower_target",
+    "offset_lower_target",
+    "increment",
+)  # runs that come to their target slip
+SETTLED = (
+    2.0,
+    3.0,
+)  # [s], where the steady turn with equal torques is drawn that follows from the printed equations
 WIDEST_RADIUS = 200.0  # [m], beyond which fig. (b) shows nothing: the path begins straight
 
 
@@ -53,7 +75,9 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     driven = ScenarioRuns(runs, vehicle, parameters)
     values = {
         f"{quantity}_{name}": metric(
-            lambda n=name, m=measure: m(run_named(runs, n)), unit, OVER_TIME.get(quantity, f"at {paper.INSTANT:g} s")
+            lambda n=name, m=measure: m(run_named(runs, n)),
+            unit,
+            OVER_TIME.get(quantity, f"at {paper.INSTANT:g} s"),
         )
         for name in runs
         for quantity, (unit, measure) in QUANTITIES.items()
@@ -74,7 +98,9 @@ def _elsewhere(driven: ScenarioRuns) -> dict[str, Metric]:
                 runs = {run + judged: run + case for run in (BASELINE, *READINGS)}
                 ending = (judged.replace("_", " "), case.replace("_", " "))
                 checks = [
-                    replace(check.renamed(runs), name=check.name.removesuffix(ending[0]) + ending[1])
+                    replace(
+                        check.renamed(runs), name=check.name.removesuffix(ending[0]) + ending[1]
+                    )
                     for check in of.checks
                 ]
                 found |= _metrics(of, checks, driven)
@@ -85,10 +111,16 @@ def _within_the_figures(driven: ScenarioRuns) -> dict[str, Metric]:
     """The chatter within the 3 s of the figures: at the printed target, and at a lower one of ours."""
     of = published("ge_ni2005")["ge.claim.chatter"]
     check, *_ = of.checks
-    found = _metrics(replace(of, text=Template(("T = k sgn(D) read as increment",))), [check], driven)
+    found = _metrics(
+        replace(of, text=Template(("T = k sgn(D) read as increment",))), [check], driven
+    )
     for reading in ("rate", "offset"):
         run = f"{reading}_lower_target"
-        words = {"increment": run, f"increment{SWITCHED}": run + SWITCHED, paper.TARGET: LOWER_TARGET}
+        words = {
+            "increment": run,
+            f"increment{SWITCHED}": run + SWITCHED,
+            paper.TARGET: LOWER_TARGET,
+        }
         changed = f"T = k sgn(D) read as {reading}; target slip CHANGED from {paper.TARGET:g} to {LOWER_TARGET:g}"
         lower = replace(check.renamed(words), name=run)
         found |= _metrics(replace(of, text=Template((changed,))), [lower], driven)
@@ -108,7 +140,9 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
             f"{readable(name)}: torque, rear {side}",
             "torque [N m]",
             lambda name=name, side=side: _curves(
-                runs, (name, name + SWITCHED), lambda run: channel(run, f"torque_request.drive.rear_{side}")
+                runs,
+                (name, name + SWITCHED),
+                lambda run: channel(run, f"torque_request.drive.rear_{side}"),
             ),
             scale=name,
         )
@@ -125,9 +159,15 @@ def panels(runs: Runs, vehicle: Vehicle, names: Sequence[str]) -> dict[str, list
     """The panels of figs 3 and 4 by their letter, with a curve for each of the runs."""
 
     def of(
-        title: str, ylabel: str, quantity: Callable[[Recording], np.ndarray], steady: float, scale: str = ""
+        title: str,
+        ylabel: str,
+        quantity: Callable[[Recording], np.ndarray],
+        steady: float,
+        scale: str = "",
     ) -> Panel:
-        published = [level(steady, *SETTLED, "published, equal torque")] if BASELINE in names else []
+        published = (
+            [level(steady, *SETTLED, "published, equal torque")] if BASELINE in names else []
+        )
         return panel(title, ylabel, lambda: [*_curves(runs, names, quantity), *published], scale)
 
     def radius(run: Recording) -> np.ndarray:
@@ -135,10 +175,19 @@ def panels(runs: Runs, vehicle: Vehicle, names: Sequence[str]) -> dict[str, list
         return np.where(np.abs(values) < WIDEST_RADIUS, values, np.nan)
 
     def wheels(
-        title: str, ylabel: str, quantity: Callable[[Recording, str], np.ndarray], steady: Sequence[float]
+        title: str,
+        ylabel: str,
+        quantity: Callable[[Recording, str], np.ndarray],
+        steady: Sequence[float],
     ) -> list[Panel]:
         return [
-            of(f"{title}, rear {side}", ylabel, lambda run, side=side: quantity(run, side), value, title)
+            of(
+                f"{title}, rear {side}",
+                ylabel,
+                lambda run, side=side: quantity(run, side),
+                value,
+                title,
+            )
             for side, value in zip(SIDES, steady, strict=True)
         ]
 
@@ -171,7 +220,12 @@ def panels(runs: Runs, vehicle: Vehicle, names: Sequence[str]) -> dict[str, list
                 degrees(lambda run: channel(run, motion.YAW_RATE)),
                 np.degrees(turn.yaw_rate),
             ),
-            of("d  Lateral speed", "speed [m/s]", lambda run: channel(run, "twist.lateral"), turn.lateral_speed),
+            of(
+                "d  Lateral speed",
+                "speed [m/s]",
+                lambda run: channel(run, "twist.lateral"),
+                turn.lateral_speed,
+            ),
         ],
         "e": wheels("e  Slip", "slip [1]", slip, slips),
         "f": [
@@ -181,7 +235,9 @@ def panels(runs: Runs, vehicle: Vehicle, names: Sequence[str]) -> dict[str, list
                 lambda run, side: ground_speed(run, side, vehicle),
                 speeds,
             ),
-            *wheels("f  Rim speed", "speed [m/s]", lambda run, side: rim_speed(run, side, vehicle), rims),
+            *wheels(
+                "f  Rim speed", "speed [m/s]", lambda run, side: rim_speed(run, side, vehicle), rims
+            ),
         ],
     }
 
@@ -192,12 +248,22 @@ def _case(runs: Runs, vehicle: Vehicle, case: str) -> list[Panel]:
     by_letter = panels(runs, vehicle, names)
 
     def torque_difference(run: Recording) -> np.ndarray:
-        return np.subtract(*(channel(run, f"torque_request.drive.rear_{side}") for side in ("right", "left")))
+        return np.subtract(
+            *(channel(run, f"torque_request.drive.rear_{side}") for side in ("right", "left"))
+        )
 
     if FREE_SPEED in case:
-        title, ylabel, quantity = "Longitudinal speed", "speed [m/s]", lambda run: channel(run, "twist.longitudinal")
+        title, ylabel, quantity = (
+            "Longitudinal speed",
+            "speed [m/s]",
+            lambda run: channel(run, "twist.longitudinal"),
+        )
     else:
-        title, ylabel, quantity = "Torque requests, right minus left", "torque [N m]", torque_difference
+        title, ylabel, quantity = (
+            "Torque requests, right minus left",
+            "torque [N m]",
+            torque_difference,
+        )
     by_letter["c"].append(panel(title, ylabel, lambda: _curves(runs, names, quantity)))
     return [
         replace(each, title=f"{each.title}{',' * bool(case)}{readable(case)}")
@@ -206,9 +272,13 @@ def _case(runs: Runs, vehicle: Vehicle, case: str) -> list[Panel]:
     ]
 
 
-def _curves(runs: Runs, names: Iterable[str], quantity: Callable[[Recording], np.ndarray]) -> list[Curve]:
+def _curves(
+    runs: Runs, names: Iterable[str], quantity: Callable[[Recording], np.ndarray]
+) -> list[Curve]:
     """A curve of each run by its control: what else all of them have in common stands in the titles."""
-    chosen = {name.replace(FULL_CAR, "").replace(FREE_SPEED, ""): run_named(runs, name) for name in names}
+    chosen = {
+        name.replace(FULL_CAR, "").replace(FREE_SPEED, ""): run_named(runs, name) for name in names
+    }
     return [Curve(run.time, quantity(run), readable(name)) for name, run in chosen.items()]
 
 
@@ -245,7 +315,11 @@ def _panel(figure: str, letter: str) -> PublishedPanel:
 
 
 PANELS = (
-    cannot_be_drawn("1", "", "Schemes", "a scheme of the model, no quantity over another one", "ge.fig1"),
-    cannot_be_drawn("2", "", "Schemes", "a scheme of the law, no quantity over another one", "ge.fig2"),
+    cannot_be_drawn(
+        "1", "", "Schemes", "a scheme of the model, no quantity over another one", "ge.fig1"
+    ),
+    cannot_be_drawn(
+        "2", "", "Schemes", "a scheme of the law, no quantity over another one", "ge.fig2"
+    ),
     *(_panel(figure, letter) for letter in _TITLES for figure in _RUNS),
 )

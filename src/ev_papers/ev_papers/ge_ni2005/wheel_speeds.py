@@ -16,7 +16,14 @@ from ev_study.studies.study import Case, Results, metrics_of_cases, rows_of_case
 
 ABOUT = "Ge & Ni 2005: wheel speeds after Ackermann beside slip targets and equal torques - turn, wheel radius, road"
 SCENARIO = "ge_ni2005"
-UNITS = {"yaw_rate": "rad/s", "aside": "m", "slip_left": "1", "slip_right": "1", "peak_slip": "1", "chatter": "N m/s"}
+UNITS = {
+    "yaw_rate": "rad/s",
+    "aside": "m",
+    "slip_left": "1",
+    "slip_right": "1",
+    "peak_slip": "1",
+    "chatter": "N m/s",
+}
 COLUMNS = ("run", "control", *(f"{name} [{unit}]" for name, unit in UNITS.items()))
 LEFT = 2
 
@@ -26,7 +33,10 @@ _CONTROLS: dict[str, tuple] = {
     "equal torques": ((_LAW, "method", "equal_torque"),),
     "speed difference": (_SPEEDS,),
     "both speeds": (_SPEEDS, (_LAW, "mean", "speed")),
-    **{f"slip, {reading}": ((_LAW, "reading", reading),) for reading in ("rate", "offset", "increment")},
+    **{
+        f"slip, {reading}": ((_LAW, "reading", reading),)
+        for reading in ("rate", "offset", "increment")
+    },
 }
 _STRAIGHT = (("steering_column", "profile.angle", (0.0,)),)
 _LEFT_SMALLER = (("*", "vehicle.wheel_radius_ratio", (1.0, 1.0, 0.99, 1.0)),)

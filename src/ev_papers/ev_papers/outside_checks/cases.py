@@ -13,7 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from ev_control.torque_vectoring.reference import UNDERSTEER, ReferenceParameters, ReferenceState, wanted_motion
+from ev_control.torque_vectoring.reference import (
+    UNDERSTEER,
+    ReferenceParameters,
+    ReferenceState,
+    wanted_motion,
+)
 from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
@@ -44,7 +49,12 @@ _SCALE = (("steering_column", "scale", 1.0),)  # angles of the file, whatever th
 MANOEUVRES: Mapping[str, tuple[str, str, float, Values]] = {
     "ramp": ("sine_with_dwell", "slowly_increasing_steer", 5.0, _SCALE),
     "step": ("step_steer", "left", 5.0, (("steering_column", "scale", 2.0),)),
-    "hard_step": ("step_steer", "left", 6.0, (("steering_column", "scale", 3.0),)),  # beyond any grip on a wet road
+    "hard_step": (
+        "step_steer",
+        "left",
+        6.0,
+        (("steering_column", "scale", 3.0),),
+    ),  # beyond any grip on a wet road
     "sine": ("sine_with_dwell", "times_3_5", 5.0, _SCALE),
     "lane_change": ("double_lane_change", "", 8.0, ()),
     "lap": ("lap", "", 70.0, ()),
@@ -57,9 +67,15 @@ PARTS: Mapping[str, Mapping[str, str]] = {  # a part other than that of `pi`
     "pi_neutral": {"controller": "pi", "reference": "neutral"},
     "pi_load": {"controller": "pi", "allocation": "load"},
     "pi_least_squares": {"controller": "pi", "allocation": "least_squares"},
-    "pi_neutral_least_squares": {"controller": "pi", "reference": "neutral", "allocation": "least_squares"},
+    "pi_neutral_least_squares": {
+        "controller": "pi",
+        "reference": "neutral",
+        "allocation": "least_squares",
+    },
 }
-LIMIT = math.radians(10.0)  # of sideslip; assumed: the abstract calls its own limits acceptable and names none
+LIMIT = math.radians(
+    10.0
+)  # of sideslip; assumed: the abstract calls its own limits acceptable and names none
 RAMP_ACCELERATION = 4.0  # [m/s^2], at which the steering-wheel angle of the ramp is read
 
 
@@ -83,7 +99,10 @@ def drawn() -> Mapping[str, np.ndarray]:
         "imu_yaw_rate": (0.0, 0.01),  # noise [rad/s]
         "imu_acceleration": (0.0, 0.2),  # [m/s^2]
         "wheel_speed": (0.0, 0.1),  # [rad/s]
-        "front": (0.6, 1.4),  # cornering stiffness that a law believes in over the true one, where it is told wrongly
+        "front": (
+            0.6,
+            1.4,
+        ),  # cornering stiffness that a law believes in over the true one, where it is told wrongly
         "rear": (0.6, 1.4),
     }
     return {name: low + (high - low) * random.random(DRAWS) for name, (low, high) in bounds.items()}
@@ -97,7 +116,15 @@ def _configurations(car: str, manoeuvre: str) -> Mapping[str, Configuration]:
     return found.runs[0].configurations
 
 
-def case(name: str, car: str, manoeuvre: str, road: str, draw: int, of_law: Values, wrong_tyres: bool = False) -> Case:
+def case(
+    name: str,
+    car: str,
+    manoeuvre: str,
+    road: str,
+    draw: int,
+    of_law: Values,
+    wrong_tyres: bool = False,
+) -> Case:
     """A draw of a law on a car, in a manoeuvre, on a road; with `wrong_tyres` the law believes in drawn stiffnesses."""
     of_draw, vehicle = drawn(), _configurations(car, manoeuvre)[MASTER].common.vehicle
     scenario, run, duration, values = MANOEUVRES[manoeuvre]
@@ -129,7 +156,10 @@ def case(name: str, car: str, manoeuvre: str, road: str, draw: int, of_law: Valu
             *values,
             *((MASTER, f"road.{key}", value) for key, value in of_road.items()),
             ("*", "seed", draw + 1),
-            *(("*", f"vehicle.{n}", getattr(vehicle, n) * float(of_draw[n][draw])) for n in ("mass", "yaw_inertia")),
+            *(
+                ("*", f"vehicle.{n}", getattr(vehicle, n) * float(of_draw[n][draw]))
+                for n in ("mass", "yaw_inertia")
+            ),
             *noise,
             *(believed if of_law[0][2] != BASE else ()),
             *of_law,
@@ -166,20 +196,34 @@ def tracking_error(recording: Recording, run: Run) -> float:
         for name in ("load", "friction_coefficient")
     )
     grip = (load * friction).sum(axis=0) / vehicle.mass
-    speed, angle = channel(recording, "twist.longitudinal"), channel(recording, motion.ROAD_WHEEL_ANGLE)
+    speed, angle = (
+        channel(recording, "twist.longitudinal"),
+        channel(recording, motion.ROAD_WHEEL_ANGLE),
+    )
     state, wanted = ReferenceState(), np.zeros_like(speed)
     period = float(recording.time[1] - recording.time[0])
     for n in range(len(speed)):
         if abs(speed[n]) > 1.0:
             wanted[n] = wanted_motion(
-                ReferenceParameters(), vehicle, state, period, UNDERSTEER, speed[n], angle[n], grip[n], 0.0, 0.0
+                ReferenceParameters(),
+                vehicle,
+                state,
+                period,
+                UNDERSTEER,
+                speed[n],
+                angle[n],
+                grip[n],
+                0.0,
+                0.0,
             ).yaw_rate
     return float(np.sqrt(np.mean((channel(recording, motion.YAW_RATE) - wanted) ** 2)))
 
 
 def of_draws(results: Results, name: str, quantity: str) -> np.ndarray:
     """What was measured on the draws of a cell, (draws,); NaN where one was refused."""
-    return np.array([results[f"{name}: {draw}"].measured.get(quantity, math.nan) for draw in range(DRAWS)])
+    return np.array(
+        [results[f"{name}: {draw}"].measured.get(quantity, math.nan) for draw in range(DRAWS)]
+    )
 
 
 RESAMPLES = 1000

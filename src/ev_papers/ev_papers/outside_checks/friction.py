@@ -13,15 +13,25 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ev_papers.outside_checks import cases as drawn_cases
-from ev_papers.outside_checks.cases import BASE, DRAWS, LIMIT, SENSORS, TRUTH, interval, law, of_draws
+from ev_papers.outside_checks.cases import (
+    BASE,
+    DRAWS,
+    LIMIT,
+    SENSORS,
+    TRUTH,
+    interval,
+    law,
+    of_draws,
+)
 from ev_sim.measures.metric import Metric, metric
 from ev_study.studies.study import Case, Results
 
-ABOUT = (
-    "De Novellis 2014: wrong friction told to PI and two second-order sliding modes, with and without a sideslip loop"
-)
+ABOUT = "De Novellis 2014: wrong friction told to PI and two second-order sliding modes, with and without a sideslip loop"
 TOLD = (0.5, 0.75, 1.0, 1.25, 1.5)
-LOOPS = {"": "understeer", " + sideslip": "sideslip_limit"}  # what is added to the name, and the reference
+LOOPS = {
+    "": "understeer",
+    " + sideslip": "sideslip_limit",
+}  # what is added to the name, and the reference
 LAWS = ("pi", "super_twisting", "suboptimal")
 MANOEUVRE = "hard_step"
 # Cars and roads, and what the laws know there: with the friction known the factor alone is wrong.
@@ -40,7 +50,11 @@ SUMS = ()
 
 def name_of(car: str, road: str, known: str, controller: str, told: float) -> str:
     """Name of the draws of a law, of one that knows nothing where it is that of equal torques."""
-    return f"{car} {road} {known} {controller} {told:g}" if controller != BASE else f"{car} {road} {BASE}"
+    return (
+        f"{car} {road} {known} {controller} {told:g}"
+        if controller != BASE
+        else f"{car} {road} {BASE}"
+    )
 
 
 def _laws() -> Iterator[tuple[str, str, str]]:
@@ -70,7 +84,9 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
 measure = drawn_cases.measure
 
 
-def sideslips(results: Results, car: str, road: str, known: str, name: str, told: float) -> np.ndarray:
+def sideslips(
+    results: Results, car: str, road: str, known: str, name: str, told: float
+) -> np.ndarray:
     """The largest sideslip angle of each draw, (draws,) [rad]."""
     return of_draws(results, name_of(car, road, known, name, told), "sideslip")
 
@@ -79,7 +95,10 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """The share of the draws that stay below the limit by law, where 1.5 times the friction is told."""
     return {
         f"held {car} {road} {known} {name}": metric(
-            lambda cell=(car, road, known, name): float((sideslips(results, *cell, TOLD[-1]) < LIMIT).mean()), "1"
+            lambda cell=(car, road, known, name): float(
+                (sideslips(results, *cell, TOLD[-1]) < LIMIT).mean()
+            ),
+            "1",
         )
         for car, road, known in CELLS
         for name, *_ in _laws()

@@ -30,7 +30,10 @@ SETUPS: Mapping[str, Values] = {  # what differs from the file, of the driver or
     "": (),
     "accelerates less": (("driver", "limit.driving", 0.6),),
     "80 % of the brakes front": ((LAW, "brake.front_share", 0.8),),
-    FRONT_BRAKES: ((LAW, "brake.front_share", 0.7), ("driver", "speed_control.max_regenerative_torque", 0.0)),
+    FRONT_BRAKES: (
+        (LAW, "brake.front_share", 0.7),
+        ("driver", "speed_control.max_regenerative_torque", 0.0),
+    ),
 }
 BALANCES = ("", "80 % of the brakes front", FRONT_BRAKES)
 # Car, setup, what is known, laws.
@@ -43,7 +46,15 @@ CELLS: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("front", "", TRUTH, (BASE, VECTORED)),
     ("rear", "", TRUTH, (BASE, VECTORED)),
 )
-COLUMNS = ("driven wheels", "setup", "known", "law", "best clean lap [s]", "highest clean scale", "gain [%]")
+COLUMNS = (
+    "driven wheels",
+    "setup",
+    "known",
+    "law",
+    "best clean lap [s]",
+    "highest clean scale",
+    "gain [%]",
+)
 HEADING = "medians of the draws with their 95 % intervals; gain: less time than with equal torques, same car and setup"
 LEFT = 4
 SUMS = ()
@@ -61,7 +72,12 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
             for draw in range(DRAWS):
                 friction = ("driver", "limit.friction", float(drawn()["friction"][draw]))
                 for scale in SCALES:
-                    values: Values = (*law(of_law, known), *SETUPS[setup], friction, ("driver", "limit.scale", scale))
+                    values: Values = (
+                        *law(of_law, known),
+                        *SETUPS[setup],
+                        friction,
+                        ("driver", "limit.scale", scale),
+                    )
                     name = f"{_name(car, setup, known, of_law)} {scale:.2f}: {draw}"
                     found.append(drawn_cases.case(name, car, "lap", "dry", draw, values))
     return found
@@ -80,24 +96,31 @@ def _clean(results: Results, car: str, of_law: str, setup: str, known: str) -> n
     """Lap times by draw and scale, (draws, scales) [s]; infinite where the lap is not clean."""
     name = _name(car, setup, known, of_law)
     times = [
-        [results[f"{name} {scale:.2f}: {draw}"].measured.get("lap_time") for scale in SCALES] for draw in range(DRAWS)
+        [results[f"{name} {scale:.2f}: {draw}"].measured.get("lap_time") for scale in SCALES]
+        for draw in range(DRAWS)
     ]
     return np.array([[np.inf if time is None else time for time in row] for row in times])
 
 
-def best(results: Results, car: str, of_law: str, setup: str = "", known: str = TRUTH) -> np.ndarray:
+def best(
+    results: Results, car: str, of_law: str, setup: str = "", known: str = TRUTH
+) -> np.ndarray:
     """The shortest clean lap of each draw, (draws,) [s]; infinite where there is none."""
     shortest: np.ndarray = _clean(results, car, of_law, setup, known).min(axis=1)
     return shortest
 
 
-def highest(results: Results, car: str, of_law: str, setup: str = "", known: str = TRUTH) -> np.ndarray:
+def highest(
+    results: Results, car: str, of_law: str, setup: str = "", known: str = TRUTH
+) -> np.ndarray:
     """The highest scale of a clean lap of each draw, (draws,) [1]; 0 where there is none."""
     clean = np.isfinite(_clean(results, car, of_law, setup, known))
     return np.where(clean, SCALES, 0.0).max(axis=1)
 
 
-def gains(results: Results, car: str, of_law: str, setup: str = "", known: str = TRUTH) -> np.ndarray:
+def gains(
+    results: Results, car: str, of_law: str, setup: str = "", known: str = TRUTH
+) -> np.ndarray:
     """By what a law shortens the best lap of equal torques in each draw, (draws,) [1]."""
     with np.errstate(invalid="ignore"):
         return 1.0 - best(results, car, of_law, setup, known) / best(results, car, BASE, setup)
@@ -106,7 +129,8 @@ def gains(results: Results, car: str, of_law: str, setup: str = "", known: str =
 def gains_by_best_brakes(results: Results, of_law: str) -> np.ndarray:
     """The same with four driven wheels, where each of both has that balance of the brakes with which it is fastest."""
     with_law, without = (
-        np.min([best(results, "all", name, balance) for balance in BALANCES], axis=0) for name in (of_law, BASE)
+        np.min([best(results, "all", name, balance) for balance in BALANCES], axis=0)
+        for name in (of_law, BASE)
     )
     shares: np.ndarray = 1.0 - with_law / without
     return shares
@@ -141,7 +165,11 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
             found.append(
                 (
                     *(car, setup or "as the file", "–" if of_law == BASE else known, of_law),
-                    *(shown(best(results, *cell), ".2f"), shown(highest(results, *cell), ".2f"), gain),
+                    *(
+                        shown(best(results, *cell), ".2f"),
+                        shown(highest(results, *cell), ".2f"),
+                        gain,
+                    ),
                 )
             )
     return found

@@ -14,7 +14,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from ev_papers.outside_checks import cases as drawn_cases
-from ev_papers.outside_checks.cases import BASE, CONTROLLERS, DRAWS, SENSORS, TRUTH, interval, law, of_draws
+from ev_papers.outside_checks.cases import (
+    BASE,
+    CONTROLLERS,
+    DRAWS,
+    SENSORS,
+    TRUTH,
+    interval,
+    law,
+    of_draws,
+)
 from ev_sim.measures.metric import Metric, metric
 from ev_study.studies.study import Case, Results
 
@@ -25,7 +34,11 @@ EVERY = (*CONTROLLERS, "pi_neutral", "pi_load", "pi_least_squares")
 # Car, manoeuvre, what is known, laws.
 CELLS = (
     *(("all", manoeuvre, known, EVERY) for manoeuvre in ROAD_OF for known in (TRUTH, SENSORS)),
-    *((car, manoeuvre, TRUTH, CONTROLLERS) for car in ("front", "rear") for manoeuvre in ("step", "sine")),
+    *(
+        (car, manoeuvre, TRUTH, CONTROLLERS)
+        for car in ("front", "rear")
+        for manoeuvre in ("step", "sine")
+    ),
     *(("all", "step", f"{known}, {WRONG}", CONTROLLERS) for known in (TRUTH, SENSORS)),
 )
 COLUMNS = (
@@ -57,21 +70,29 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
                 one = f"{name_of(car, manoeuvre, known, name)}: {draw}"
                 of_law = law(name, known.partition(",")[0])
                 wrong = known.endswith(WRONG)
-                found.setdefault(one, drawn_cases.case(one, car, manoeuvre, ROAD_OF[manoeuvre], draw, of_law, wrong))
+                found.setdefault(
+                    one,
+                    drawn_cases.case(one, car, manoeuvre, ROAD_OF[manoeuvre], draw, of_law, wrong),
+                )
     return list(found.values())
 
 
 measure = drawn_cases.measure
 
 
-def values(results: Results, car: str, manoeuvre: str, known: str, name: str, quantity: str) -> np.ndarray:
+def values(
+    results: Results, car: str, manoeuvre: str, known: str, name: str, quantity: str
+) -> np.ndarray:
     """What was measured on each draw, (draws,)."""
     return of_draws(results, name_of(car, manoeuvre, known, name), quantity)
 
 
 def growth(results: Results, known: str, name: str) -> np.ndarray:
     """By what the tracking error grows in each draw where the law believes in wrong tyres, (draws,) [1]."""
-    right, wrong = (values(results, "all", "step", each, name, "tracking") for each in (known, f"{known}, {WRONG}"))
+    right, wrong = (
+        values(results, "all", "step", each, name, "tracking")
+        for each in (known, f"{known}, {WRONG}")
+    )
     return wrong / right - 1.0
 
 
@@ -86,7 +107,12 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     }
 
 
-_SHOWN = (("tracking", 1e3), ("sideslip", math.degrees(1.0)), ("energy", 1e-3), ("angle", math.degrees(1.0)))
+_SHOWN = (
+    ("tracking", 1e3),
+    ("sideslip", math.degrees(1.0)),
+    ("energy", 1e-3),
+    ("angle", math.degrees(1.0)),
+)
 
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:

@@ -1,49 +1,15 @@
-"""What Shchur (2019) prints, and what follows from his equations with his parameters.
+"""Numbers that Shchur (2019) prints, and what follows from his equations with his parameters.
 
-I. Z. Shchur, "Active power steering system in electronic differential of electric vehicle with individual drive of
-two front wheels" (in Ukrainian), 2019. Equation numbers are his. The parameters are written down here once more
-instead of being taken from the run, so that a run with other parameters is judged against the paper all the same.
+I. Z. Shchur, "Active power steering system in electronic differential of electric vehicle with
+individual drive of two front wheels" (in Ukrainian), 2019. Equation numbers are his. The parameters
+are written down here once more instead of being taken from the run, so that a run with other
+parameters is judged against the paper all the same.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-
-
-@dataclass(frozen=True, slots=True)
-class SecondOrder:
-    """J d'' + b d' + k d = torque, with J [kg m^2], b [N m s/rad] and k [N m/rad]; underdamped."""
-
-    inertia: float
-    damping: float
-    stiffness: float
-
-    @property
-    def decay(self) -> float:
-        """Decay rate of the oscillation [1/s]."""
-        return self.damping / (2 * self.inertia)
-
-    @property
-    def damped_frequency(self) -> float:
-        """Angular frequency of the oscillation [rad/s]."""
-        return math.sqrt(self.stiffness / self.inertia - self.decay**2)
-
-    def steady_angle(self, torque: float) -> float:
-        """Road-wheel angle under a constant torque about the kingpins [rad]."""
-        return torque / self.stiffness
-
-    def deviation(self, time: float) -> float:
-        """Step response minus its final value, as a fraction of it, `time` seconds after the step."""
-        phase = self.damped_frequency * time
-        return -math.exp(-self.decay * time) * (math.cos(phase) + self.decay / self.damped_frequency * math.sin(phase))
-
-    def rate(self, time: float) -> float:
-        """Slope of the step response, as a fraction of its final value [1/s]."""
-        natural = self.stiffness / self.inertia
-        decayed = math.exp(-self.decay * time)
-        return decayed * natural / self.damped_frequency * math.sin(self.damped_frequency * time)
-
 
 J_P = 2.8  # inertia of the steering system at the wheels [kg m^2]
 B_P = 7.5  # its damping [N m s/rad]
@@ -75,12 +41,47 @@ FIRST_ACCELERATION = (0.0, 4.0)  # [s]
 SECOND_ACCELERATION = (25.0, 29.0)  # [s]
 
 
+@dataclass(frozen=True, slots=True)
+class SecondOrder:
+    """J d'' + b d' + k d = torque, with J [kg m^2], b [N m s/rad] and k [N m/rad]; underdamped."""
+
+    inertia: float
+    damping: float
+    stiffness: float
+
+    @property
+    def decay(self) -> float:
+        """Decay rate of the oscillation [1/s]."""
+        return self.damping / (2 * self.inertia)
+
+    @property
+    def damped_frequency(self) -> float:
+        """Angular frequency of the oscillation [rad/s]."""
+        return math.sqrt(self.stiffness / self.inertia - self.decay**2)
+
+    def steady_angle(self, torque: float) -> float:
+        """Road-wheel angle under a constant torque about the kingpins [rad]."""
+        return torque / self.stiffness
+
+    def deviation(self, time: float) -> float:
+        """Step response minus its final value, over it, `time` seconds after the step [1]."""
+        phase = self.damped_frequency * time
+        swing = math.cos(phase) + self.decay / self.damped_frequency * math.sin(phase)
+        return -math.exp(-self.decay * time) * swing
+
+    def rate(self, time: float) -> float:
+        """Slope of the step response, as a fraction of its final value [1/s]."""
+        natural = self.stiffness / self.inertia
+        decayed = math.exp(-self.decay * time)
+        return decayed * natural / self.damped_frequency * math.sin(self.damped_frequency * time)
+
+
 OBJECT = SecondOrder(J_P, B_P, K_P)
 CLOSED_LOOP = SecondOrder(J_P, B_P + I_RATIO**2 * B_CK, K_P + I_RATIO**2 * K_CK)
 
 
 def differential_torque(hand_torque: float, road_wheel_angle: float, rate: float = 0.0) -> float:
-    """Right minus left wheel torque of the law (eq. 4) [N m] at an angle [rad] that changes at `rate` [rad/s]."""
+    """Right minus left wheel torque of the law at an angle [rad] and its rate, eq. 4 [N m]."""
     lever = 2 * R_K * I_RATIO / TRACK
     return lever * (GAMMA * hand_torque - I_RATIO * (K_CK * road_wheel_angle + B_CK * rate))
 
@@ -92,10 +93,10 @@ def hand_torque_assisted(road_wheel_angle: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """Angles of the front wheels [rad] and radii of their paths and of that of the centre of mass [m].
+    """Angles of the front wheels [rad], radii of their paths and of the centre of mass [m].
 
-    All are positive in a left turn and negative in a right turn, also the radius of eq. 11, which the paper prints
-    without the sign of delta: taken literally both wheels would turn backwards in a right turn.
+    All are positive in a left turn and negative in a right turn, also the radius of eq. 11, which
+    the paper prints without the sign of delta: both wheels would turn backwards in a right turn.
     """
 
     right_angle: float
@@ -115,24 +116,26 @@ def turn(road_wheel_angle: float) -> Turn:
 
 
 def wheel_speeds(speed: float, road_wheel_angle: float) -> tuple[float, float]:
-    """Speeds of the right and the left front wheel [rad/s] at a speed of the centre of mass [m/s] (eq. 10)."""
+    """Speeds of the right and left front wheel at a speed of the car [m/s], eq. 10 [rad/s]."""
     at = turn(road_wheel_angle)
     return speed * at.right_radius / at.radius / R_K, speed * at.left_radius / at.radius / R_K
 
 
 def speed_difference(speed: float, road_wheel_angle: float) -> float:
-    """Right minus left linear speed of the front wheels [m/s] at a speed of the centre of mass [m/s] (eq. 12)."""
+    """Right minus left speed of the front rims at a speed of the car [m/s], eq. 12 [m/s]."""
     right, left = wheel_speeds(speed, road_wheel_angle)
     return R_K * (right - left)
 
 
 def resisting_torque(mean_square_speed: float) -> float:
-    """Torque at the wheels against rolling resistance and drag (eq. 13) [N m], by the mean of V^2 [m^2/s^2]."""
+    """Wheel torque against rolling resistance and drag by the mean of V^2, eq. 13 [N m]."""
     rolling = ROLLING_RESISTANCE * GRAVITY * MASS
-    return R_K * (rolling + 0.5 * AIR_DENSITY * DRAG_COEFFICIENT * FRONTAL_AREA * mean_square_speed)
+    drag = 0.5 * AIR_DENSITY * DRAG_COEFFICIENT * FRONTAL_AREA * mean_square_speed
+    return R_K * (rolling + drag)
 
 
 def accelerating_torque(start: float, end: float, duration: float) -> float:
-    """Mean torque at the wheels while the speed rises evenly from start to end [m/s] (Fig 3) [N m]."""
+    """Mean wheel torque while the speed rises evenly from start to end [m/s] (Fig 3) [N m]."""
+    # The mean of V^2 over an even rise, which is more than the square of the mean speed.
     mean_square = (start**2 + start * end + end**2) / 3
     return R_K * MASS * (end - start) / duration + resisting_torque(mean_square)

@@ -1,9 +1,9 @@
-"""Shchur (2019), with the report of his driving cycle: fig. 4, one run of 50 s with a left and a right turn.
+"""Shchur (2019), with the report of his driving cycle: fig. 4, a run of 50 s with two turns.
 
-The right turn (30 deg at 30 km/h) would need a lateral acceleration of about 1.6 g: the kinematic plant reproduces
-it as the paper computes it, a plant with tyres does not.
+The right turn (30 deg at 30 km/h) would need a lateral acceleration of about 1.6 g: the kinematic
+plant reproduces it as the paper computes it, a plant with tyres does not.
 
-A source has its place ORDER, the functions MEASURES that measure the numbers of published.csv, and its PANELS.
+A source has its place ORDER, its PANELS, and in MEASURES the functions that published.csv names.
 """
 
 from __future__ import annotations
@@ -24,76 +24,15 @@ from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time
 from ev_study.verdicts.verdict import metrics_at_hand
 
+ORDER = 0  # among the sources, in tables
+MEASURES = measures_of(measures)
 RUN = "shchur2019"
 END = 50.0  # of the cycle [s]
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
-    """What fig. 4 is judged by."""
+    """Numbers by which fig. 4 is judged."""
     return metrics_at_hand("shchur2019", RUN, ScenarioRuns(runs, vehicle, parameters))
-
-
-def panels(runs: Runs, vehicle: Vehicle) -> dict[str, Panel]:
-    """The panels of fig. 4 by their quantity, in the order of the paper, with what it prints or what follows."""
-    published = _published()
-
-    def panel_of(title: str, ylabel: str, values: Callable[[Recording], np.ndarray], name: str = "") -> Panel:
-        def curves() -> list[Curve]:
-            run = run_named(runs, RUN)
-            return [Curve(run.time, values(run), "ours" if name else ""), *published.get(name, ())]
-
-        return panel(title, ylabel, curves)
-
-    def panel_of_both(title: str, ylabel: str, quantity: str) -> Panel:
-        def curves() -> list[Curve]:
-            run = run_named(runs, RUN)
-            ours = [Curve(run.time, channel(run, f"{quantity}.front_{side}"), side) for side in ("right", "left")]
-            return [*ours, *published.get(quantity, ())]
-
-        return panel(title, ylabel, curves)
-
-    return {
-        "V": panel_of("Speed", "speed [m/s]", motion.path_speed, "V"),
-        "M": panel_of("Total torque at the wheels", "torque [N m]", motion.total_drive_torque, "M"),
-        "delta": panel_of(
-            "Steering angle", "angle [deg]", degrees(lambda run: channel(run, motion.ROAD_WHEEL_ANGLE)), "delta"
-        ),
-        "dM": panel_of("Differential torque, right minus left", "torque [N m]", motion.differential_torque, "dM"),
-        "references": panel_of_both("Torque references of the front wheels", "torque [N m]", "torque_command.drive"),
-        "drive_torques": panel_of_both("Drive torques of the front wheels", "torque [N m]", "wheel_states.effort"),
-        "wheel_speeds": panel_of_both("Speeds of the front wheels", "wheel speed [rad/s]", "wheel_states.velocity"),
-        "dV": panel_of(
-            "Difference of linear wheel speeds, right minus left",
-            "speed [m/s]",
-            lambda run: motion.speed_difference(run, vehicle),
-            "dV",
-        ),
-    }
-
-
-def _published() -> dict[str, list[Curve]]:
-    """What fig. 4 prints and what eqs 4, 5 and 8 to 13 give with the printed parameters, where it is steady."""
-    slow, fast = paper.SPEED_LEFT_TURN, paper.SPEED_RIGHT_TURN
-    left, right = paper.LEFT_TURN, paper.RIGHT_TURN
-    first, second = paper.FIRST_ACCELERATION, paper.SECOND_ACCELERATION
-    at_slow, at_fast = (first[1], second[0]), (second[1], END)
-    torque = paper.differential_torque(paper.hand_torque_assisted(paper.TURN_ANGLE), paper.TURN_ANGLE)
-    turns = ((slow, paper.TURN_ANGLE, left), (fast, -paper.TURN_ANGLE, right))
-    return {
-        "V": [level(slow, *at_slow), level(fast, *at_fast)],
-        "M": [
-            level(paper.accelerating_torque(0.0, slow, first[1] - first[0]), *first),
-            level(paper.resisting_torque(slow**2), *at_slow),
-            level(paper.accelerating_torque(slow, fast, second[1] - second[0]), *second),
-            level(paper.resisting_torque(fast**2), *at_fast),
-        ],
-        "delta": [level(np.degrees(angle), *window) for _, angle, window in turns],
-        "dM": [level(torque, *left), level(-torque, *right)],
-        "wheel_states.velocity": [
-            level(each, *window) for speed, angle, window in turns for each in paper.wheel_speeds(speed, angle)
-        ],
-        "dV": [level(paper.speed_difference(speed, angle), *window) for speed, angle, window in turns],
-    }
 
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
@@ -101,27 +40,116 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
     return {"fig4": Sheet(list(panels(runs, vehicle).values()))}
 
 
-ORDER = 0  # among the sources, in tables
-MEASURES = measures_of(measures)
+def panels(runs: Runs, vehicle: Vehicle) -> dict[str, Panel]:
+    """Panels of fig. 4 by their quantity, with what is printed or follows, in the paper's order."""
+
+    def one(
+        title: str, ylabel: str, quantity: Callable[[Recording], np.ndarray], key: str
+    ) -> Panel:
+        def curves() -> list[Curve]:
+            run = run_named(runs, RUN)
+            return [Curve(run.time, quantity(run), "ours"), *_published(key)]
+
+        return panel(title, ylabel, curves)
+
+    def both_front_wheels(title: str, ylabel: str, quantity: str) -> Panel:
+        def curves() -> list[Curve]:
+            run = run_named(runs, RUN)
+            right = Curve(run.time, channel(run, f"{quantity}.front_right"), "right")
+            left = Curve(run.time, channel(run, f"{quantity}.front_left"), "left")
+            return [right, left, *_published(quantity)]
+
+        return panel(title, ylabel, curves)
+
+    torque, speed = "torque [N m]", "speed [m/s]"
+    angle = degrees(lambda run: channel(run, motion.ROAD_WHEEL_ANGLE))
+    return {
+        "V": one("Speed", speed, motion.path_speed, "V"),
+        "M": one("Total torque at the wheels", torque, motion.total_drive_torque, "M"),
+        "delta": one("Steering angle", "angle [deg]", angle, "delta"),
+        "dM": one(
+            "Differential torque, right minus left",
+            torque,
+            motion.differential_torque,
+            "dM",
+        ),
+        "references": both_front_wheels(
+            "Torque references of the front wheels", torque, "torque_command.drive"
+        ),
+        "drive_torques": both_front_wheels(
+            "Drive torques of the front wheels", torque, "wheel_states.effort"
+        ),
+        "wheel_speeds": both_front_wheels(
+            "Speeds of the front wheels", "wheel speed [rad/s]", "wheel_states.velocity"
+        ),
+        "dV": one(
+            "Difference of linear wheel speeds, right minus left",
+            speed,
+            lambda run: motion.speed_difference(run, vehicle),
+            "dV",
+        ),
+    }
+
+
+def _published(key: str) -> list[Curve]:
+    """Levels of a panel that fig. 4 prints, or that eqs 4, 5 and 8 to 13 give when steady."""
+    slow, fast = paper.SPEED_LEFT_TURN, paper.SPEED_RIGHT_TURN
+    left, right = paper.LEFT_TURN, paper.RIGHT_TURN
+    first, second = paper.FIRST_ACCELERATION, paper.SECOND_ACCELERATION
+    at_slow = (first[1], second[0])
+    at_fast = (second[1], END)
+    angle = paper.TURN_ANGLE
+    torque = paper.differential_torque(paper.hand_torque_assisted(angle), angle)
+    levels = {
+        "V": [(slow, at_slow), (fast, at_fast)],
+        "M": [
+            (paper.accelerating_torque(0.0, slow, first[1] - first[0]), first),
+            (paper.resisting_torque(slow**2), at_slow),
+            (paper.accelerating_torque(slow, fast, second[1] - second[0]), second),
+            (paper.resisting_torque(fast**2), at_fast),
+        ],
+        "delta": [(np.degrees(angle), left), (np.degrees(-angle), right)],
+        "dM": [(torque, left), (-torque, right)],
+        "wheel_states.velocity": [
+            *((each, left) for each in paper.wheel_speeds(slow, angle)),
+            *((each, right) for each in paper.wheel_speeds(fast, -angle)),
+        ],
+        "dV": [
+            (paper.speed_difference(slow, angle), left),
+            (paper.speed_difference(fast, -angle), right),
+        ],
+    }
+    return [level(value, *window) for value, window in levels.get(key, ())]
 
 
 def _of_steps(letter: str, *ids: str) -> PublishedPanel:
-    draw = over_time(lambda driven: report_steps.panels(driven.runs)[letter], report_steps.SINCE_STEP, start=0.0)
+    needs = (ScenarioNeed("shchur2019_steps"),)
     named = tuple(f"shchur.fig1{letter}.{id}" for id in ids)
-    return PublishedPanel("1", letter, "Steps of the hand torque", named, (ScenarioNeed("shchur2019_steps"),), draw)
+    draw = over_time(
+        lambda driven: report_steps.panels(driven.runs)[letter],
+        report_steps.SINCE_STEP,
+        start=0.0,
+    )
+    return PublishedPanel("1", letter, "Steps of the hand torque", named, needs, draw)
 
 
 def _of_cycle(quantity: str, *ids: str) -> PublishedPanel:
-    draw = over_time(lambda driven: panels(driven.runs, driven.vehicle)[quantity])
+    needs = (ScenarioNeed("shchur2019"),)
     named = tuple(f"shchur.fig4.{id}" for id in ids)
-    return PublishedPanel("4", quantity, "Driving cycle", named, (ScenarioNeed("shchur2019"),), draw)
+    draw = over_time(lambda driven: panels(driven.runs, driven.vehicle)[quantity])
+    return PublishedPanel("4", quantity, "Driving cycle", named, needs, draw)
 
 
+_STEPS_OF_A = ("1.steady", "1.overshoot", "1.settling", "2.steady", "2.overshoot", "2.settling")
 PANELS = (
-    _of_steps("a", "1.steady", "1.overshoot", "1.settling", "2.steady", "2.overshoot", "2.settling", "damped"),
+    _of_steps("a", *_STEPS_OF_A, "damped"),
     _of_steps("b", "start", "minimum", "end"),
-    cannot_be_drawn("2", "", "Schemes", "a scheme of the turn, no quantity over another one", "shchur.fig2"),
-    cannot_be_drawn("3", "", "Schemes", "a scheme of the control, no quantity over another one", "shchur.fig3"),
+    cannot_be_drawn(
+        "2", "", "Schemes", "a scheme of the turn, no quantity over another one", "shchur.fig2"
+    ),
+    cannot_be_drawn(
+        "3", "", "Schemes", "a scheme of the control, no quantity over another one", "shchur.fig3"
+    ),
     _of_cycle("V", "V1", "V2"),
     _of_cycle("M", "M.plateau", "M.acceleration"),
     _of_cycle("delta", "delta.left", "delta.right"),

@@ -19,7 +19,9 @@ from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run, load_scenario
 from ev_study.studies.study import Case, Results
 
-LIMIT = math.radians(15.0)  # sideslip angle beyond which the rear axle has slid out [rad]; assumed, the source has none
+LIMIT = math.radians(
+    15.0
+)  # sideslip angle beyond which the rear axle has slid out [rad]; assumed, the source has none
 SWING = 0.005  # [1], least way of a share between two turn-arounds; assumed: what moves less is no oscillation
 CALM = 1  # turn-arounds of one share that entering the bend explains
 NOMINAL = "k1"  # the run whose law has the factor 1 of its proportionalities
@@ -35,13 +37,18 @@ def deviation_from_circle(run: Recording, begin: float) -> float:
     if len(x) < 3 or np.ptp(x) + np.ptp(y) < 1.0:
         raise NotMeasured("the car does not move")
     x, y = x - x.mean(), y - y.mean()
-    (a, b, c), *_ = np.linalg.lstsq(np.column_stack((2 * x, 2 * y, np.ones_like(x))), x**2 + y**2, rcond=None)
+    (a, b, c), *_ = np.linalg.lstsq(
+        np.column_stack((2 * x, 2 * y, np.ones_like(x))), x**2 + y**2, rcond=None
+    )
     return float(np.abs(np.hypot(x - a, y - b) - np.sqrt(c + a**2 + b**2)).max())
 
 
 def off_the_path(run: Recording, x: Sequence[float], y: Sequence[float]) -> float:
     """Largest distance of the centre of mass from a path of straight legs between points [m]."""
-    points, at = np.column_stack((x, y)), np.column_stack((channel(run, "pose.x"), channel(run, "pose.y")))
+    points, at = (
+        np.column_stack((x, y)),
+        np.column_stack((channel(run, "pose.x"), channel(run, "pose.y"))),
+    )
     leg = np.diff(points, axis=0)
     along = np.einsum("nkd,kd->nk", at[:, None] - points[:-1], leg) / (leg**2).sum(axis=1)
     nearest = points[:-1] + np.clip(along, 0.0, 1.0)[..., None] * leg
@@ -133,7 +140,10 @@ def cases_of(controls: Iterable[str], values: Values = (), variant: str = "") ->
     """Every control or reading at every force and angle, with further parameters (node, name, value) of a variant."""
     vehicle = load_scenario(SCENARIO).runs[0].configurations[MASTER].common.vehicle
     # With these a force and an angle become a torque and an angle of the steering wheel, whatever car is driven.
-    of_vehicle = [("*", f"vehicle.{name}", getattr(vehicle, name)) for name in ("wheel_radius", "steering_ratio")]
+    of_vehicle = [
+        ("*", f"vehicle.{name}", getattr(vehicle, name))
+        for name in ("wheel_radius", "steering_ratio")
+    ]
     return [
         Case(
             name_of(control, force, angle, variant),
@@ -141,7 +151,11 @@ def cases_of(controls: Iterable[str], values: Values = (), variant: str = "") ->
             (
                 *of_vehicle,
                 ("driver", "pedals.drive_torque", (force * vehicle.wheel_radius,)),
-                ("steering_column", "profile.angle", (0.0, math.radians(angle) * vehicle.steering_ratio)),
+                (
+                    "steering_column",
+                    "profile.angle",
+                    (0.0, math.radians(angle) * vehicle.steering_ratio),
+                ),
                 *FURTHER_READINGS.get(control, ("", ()))[1],
                 *values,
             ),
@@ -164,11 +178,16 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     return {"peak_sideslip": peak_sideslip(recording), **shares}
 
 
-def of_all(results: Results, control: str, quantity: str = "peak_sideslip", variant: str = "") -> np.ndarray:
+def of_all(
+    results: Results, control: str, quantity: str = "peak_sideslip", variant: str = ""
+) -> np.ndarray:
     """What was measured with a control, (forces, angles), in its unit; NaN where a case was refused."""
     return np.array(
         [
-            [results[name_of(control, force, angle, variant)].measured.get(quantity, math.nan) for angle in ANGLES]
+            [
+                results[name_of(control, force, angle, variant)].measured.get(quantity, math.nan)
+                for angle in ANGLES
+            ]
             for force in FORCES
         ]
     )

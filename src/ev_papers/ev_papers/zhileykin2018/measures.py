@@ -59,7 +59,12 @@ def largest_slip_angle(driven: ScenarioRuns, run: str) -> float:
 
 
 def _slip_angles(driven: ScenarioRuns, run: str) -> np.ndarray:
-    return np.array([channel(run_named(driven.runs, run), f"tire_forces.slip_angle.{wheel}") for wheel in WHEEL_NAMES])
+    return np.array(
+        [
+            channel(run_named(driven.runs, run), f"tire_forces.slip_angle.{wheel}")
+            for wheel in WHEEL_NAMES
+        ]
+    )
 
 
 def sides_apart(driven: ScenarioRuns, run: str) -> float:
@@ -84,9 +89,12 @@ def off_the_path(driven: ScenarioRuns, run: str) -> float:
 def rear_slides_out(driven: ScenarioRuns) -> bool:
     """Whether the rear axle has the larger slip angle where rear drive passes the limit: it, not the front, slides."""
     run, vehicle = run_named(driven.runs, REAR_DRIVE), driven.vehicle
-    n = motion.first(moving(run) & (np.abs(motion.sideslip_angle(run)) >= LIMIT), "a sideslip angle of 15 deg")
+    n = motion.first(
+        moving(run) & (np.abs(motion.sideslip_angle(run)) >= LIMIT), "a sideslip angle of 15 deg"
+    )
     u, v, r, delta = (
-        channel(run, name)[n] for name in ("twist.longitudinal", "twist.lateral", "twist.yaw_rate", ROAD_WHEEL_ANGLE)
+        channel(run, name)[n]
+        for name in ("twist.longitudinal", "twist.lateral", "twist.yaw_rate", ROAD_WHEEL_ANGLE)
     )
     rear_arm = vehicle.centre_of_mass_to_rear_axle
     front = delta - math.atan2(v + (vehicle.wheelbase - rear_arm) * r, u)
@@ -136,7 +144,9 @@ def calm_share(sweep: StudyCases, share: str) -> float:
 
 def held_more(sweep: StudyCases) -> float:
     """How many cases more than rear drive the law holds."""
-    return float(grid.holds(sweep.results, NOMINAL).sum() - grid.holds(sweep.results, REAR_DRIVE).sum())
+    return float(
+        grid.holds(sweep.results, NOMINAL).sum() - grid.holds(sweep.results, REAR_DRIVE).sum()
+    )
 
 
 FORCE = 3000.0  # X, that the driver asks for [N]
@@ -153,7 +163,11 @@ class _Shares(NamedTuple):
 
 
 def _shares(
-    driven: ScenarioRuns, acceleration: float, phi: float = 0.0, road_wheel_angle: float = 0.0, **readings: object
+    driven: ScenarioRuns,
+    acceleration: float,
+    phi: float = 0.0,
+    road_wheel_angle: float = 0.0,
+    **readings: object,
 ) -> _Shares:
     """What the law asks for at an acceleration [m/s^2] at an angle phi to the car's axis [rad] and a road-wheel angle.
 
@@ -162,7 +176,9 @@ def _shares(
     """
     method, vehicle = find_method(_ROLE, "axle_redistribution"), driven.vehicle
     known = flatten(method.parameters())
-    given = {name: value for name, value in driven.parameters.get(_ROLE, {}).items() if name in known}
+    given = {
+        name: value for name, value in driven.parameters.get(_ROLE, {}).items() if name in known
+    }
     law = create(method, build(method.parameters, {**given, **readings}), vehicle, 0.01)
     signals = {
         type(signal): signal
@@ -206,7 +222,9 @@ def excitation_by_eq_7(driven: ScenarioRuns) -> float:
     found = _shares(driven, _ACCELERATION, road_wheel_angle=_ANGLE)
     model = _model(driven, 0.0, found.front)
     yaw_rate = _SPEED * _ANGLE / driven.vehicle.wheelbase
-    return dataclasses.replace(model, rear_difference=found.slower - found.faster, yaw_rate=yaw_rate).excitation
+    return dataclasses.replace(
+        model, rear_difference=found.slower - found.faster, yaw_rate=yaw_rate
+    ).excitation
 
 
 def front_share(driven: ScenarioRuns, angle: float, branch: str) -> float:
@@ -214,7 +232,9 @@ def front_share(driven: ScenarioRuns, angle: float, branch: str) -> float:
 
     By itself, without the rule on slowing down, which comes before it where j_x <= 0.
     """
-    return _shares(driven, _ACCELERATION, angle * math.pi, first_branch=branch, braking="command").front
+    return _shares(
+        driven, _ACCELERATION, angle * math.pi, first_branch=branch, braking="command"
+    ).front
 
 
 def front_share_when_slowing_down(driven: ScenarioRuns) -> float:

@@ -25,7 +25,9 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
         )
         if driver.get("method") == "preview":
             result[f"off_the_path_{name}"] = metric(
-                lambda name=name: off_the_path(run_named(runs, name), driver["path.x"], driver["path.y"]),
+                lambda name=name: off_the_path(
+                    run_named(runs, name), driver["path.x"], driver["path.y"]
+                ),
                 "m",
                 "largest distance from the path of the driver",
             )

@@ -13,7 +13,15 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.zhileykin2018 import measures
-from ev_papers.zhileykin2018.grid import BY_LAW, LIMIT, REAR_DRIVE, SCENARIO, SHARES, SWING, turn_arounds
+from ev_papers.zhileykin2018.grid import (
+    BY_LAW,
+    LIMIT,
+    REAR_DRIVE,
+    SCENARIO,
+    SHARES,
+    SWING,
+    turn_arounds,
+)
 from ev_sim.figures.other_axes import plan_view
 from ev_sim.figures.panels import Curve, Panel, motion_panels, over_time, readable
 from ev_sim.figures.sheets import Sheet
@@ -40,7 +48,9 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
             lambda name=name: peak_sideslip(run_named(runs, name)), "rad", PEAK_SIDESLIP
         )
         result[f"holds_{name}"] = metric(
-            lambda name=name: peak_sideslip(run_named(runs, name)) < LIMIT, "1", "1: that is below 15 deg; else 0"
+            lambda name=name: peak_sideslip(run_named(runs, name)) < LIMIT,
+            "1",
+            "1: that is below 15 deg; else 0",
         )
         result[f"final_speed_{name}"] = metric(
             lambda name=name: _speed(run_named(runs, name))[-1], "m/s", "|V| in the end"
@@ -80,7 +90,10 @@ def figures(runs: Runs) -> dict[str, Sheet]:
     """Paths (figs 3 and 4), shares (fig. 5), sideslip angle, yaw rate and speed."""
     shown = {name: run for name, run in runs.items() if name != ESTIMATED}
 
-    more = [*motion_panels(shown, "sideslip_angle", "yaw_rate"), over_time(shown, "Speed", "speed [m/s]", _speed)]
+    more = [
+        *motion_panels(shown, "sideslip_angle", "yaw_rate"),
+        over_time(shown, "Speed", "speed [m/s]", _speed),
+    ]
     return {
         "fig3_fig4": plan_view("Path of the centre of mass", [track(runs, name) for name in shown]),
         "fig5": Sheet([*panels(runs).values(), *more]),
@@ -105,12 +118,18 @@ def _paths(figure: str, title: str, *names: str) -> PublishedPanel:
 
 def _share(letter: str, most: float) -> PublishedPanel:
     draw = drawn_over_time(lambda driven: panels(driven.runs)[letter], ends=(0.0, most))
-    return PublishedPanel("5", letter, "Shares of the drive torque", (f"zhil.fig5{letter}",), _BEND, draw)
+    return PublishedPanel(
+        "5", letter, "Shares of the drive torque", (f"zhil.fig5{letter}",), _BEND, draw
+    )
 
 
 PANELS = (
-    cannot_be_drawn("1", "", "Schemes", "a scheme of the forces, no quantity over another one", "zhil.fig1"),
-    cannot_be_drawn("2", "", "Schemes", "a scheme of the driveline, no quantity over another one", "zhil.fig2"),
+    cannot_be_drawn(
+        "1", "", "Schemes", "a scheme of the forces, no quantity over another one", "zhil.fig1"
+    ),
+    cannot_be_drawn(
+        "2", "", "Schemes", "a scheme of the driveline, no quantity over another one", "zhil.fig2"
+    ),
     _paths("3", "Path of the rear-driven car on ice", REAR_DRIVE),
     _paths("4", "Path of the 4x4 on ice", *BY_LAW),  # by each reading: the source names none
     _share("a", 0.5),

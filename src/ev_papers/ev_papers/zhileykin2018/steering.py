@@ -29,7 +29,12 @@ QUANTITIES = {  # of the cases in which the car holds -> heading and digits
     "turned": ("mean turn in 12 s [deg]", 0),
     "added": ("mean largest added angle [deg]", 1),
 }
-COLUMNS = ("torque", "front wheels", "holds of 40", *(heading for heading, _ in QUANTITIES.values()))
+COLUMNS = (
+    "torque",
+    "front wheels",
+    "holds of 40",
+    *(heading for heading, _ in QUANTITIES.values()),
+)
 LEFT = 2
 SUMS = ("holds_",)
 
@@ -37,7 +42,11 @@ SUMS = ("holds_",)
 def add_options(parser: argparse.ArgumentParser) -> None:
     """How the front wheels are steered; the grid is that of the page docs/zhileykin2018.md."""
     parser.add_argument(
-        "--gain", type=float, default=GAIN, metavar="S", help="of active_front [s]; default: %(default)s"
+        "--gain",
+        type=float,
+        default=GAIN,
+        metavar="S",
+        help="of active_front [s]; default: %(default)s",
     )
     parser.add_argument(
         "--acceleration",
@@ -60,7 +69,10 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     """Largest sideslip [rad], turn of the car [rad], and the angle that is added to that of the hands at most [rad]."""
-    hands = channel(recording, motion.STEERING_WHEEL_ANGLE) / run.configurations[COLUMN].common.vehicle.steering_ratio
+    hands = (
+        channel(recording, motion.STEERING_WHEEL_ANGLE)
+        / run.configurations[COLUMN].common.vehicle.steering_ratio
+    )
     return {
         "peak_sideslip": peak_sideslip(recording),
         "turned": float(np.unwrap(motion.heading(recording))[-1]),
@@ -72,7 +84,8 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """In how many cases the car holds."""
     return {
         f"holds_{control}_{steering}": metric(
-            lambda control=control, steering=steering: grid.holds(results, control, steering).sum(), "1"
+            lambda control=control, steering=steering: grid.holds(results, control, steering).sum(),
+            "1",
         )
         for control in CONTROLS
         for steering in STEERINGS

@@ -16,7 +16,9 @@ from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.metric import Metric, metric
 from ev_study.studies.study import Case, Results
 
-ABOUT = "Zhileykin 2018: drive force by steering angle on ice with snow, who spins with which control"
+ABOUT = (
+    "Zhileykin 2018: drive force by steering angle on ice with snow, who spins with which control"
+)
 COLUMNS = ("force [N]", "angle [deg]", *SWEPT)
 HEADING = f"largest sideslip angle [deg], ** where it passes {math.degrees(LIMIT):g} deg"
 LEFT = 0
@@ -25,7 +27,9 @@ SUMS = ("cases", "rear_drive_spins", "holds_", "calm_")
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """The drive; the grid is that of the page docs/zhileykin2018.md."""
-    parser.add_argument("--drive", choices=grid.DRIVES, default=grid.MOTORS, help="default: motors, as on the page")
+    parser.add_argument(
+        "--drive", choices=grid.DRIVES, default=grid.MOTORS, help="default: motors, as on the page"
+    )
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
@@ -52,7 +56,10 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
         if name in (REAR_DRIVE, FIXED):
             continue
         found[f"calm_{name}"] = metric(
-            lambda name=name: np.all([grid.is_calm(results, name, share) for share in SHARES], axis=0).sum(), "1"
+            lambda name=name: np.all(
+                [grid.is_calm(results, name, share) for share in SHARES], axis=0
+            ).sum(),
+            "1",
         )
     return found
 

@@ -12,7 +12,11 @@ from ev_sim.measures.metric import Metric, metric
 from ev_study.studies.study import Case, Results
 
 ABOUT = "Zhileykin 2018: the sweep with other tyres, cars and readings of the source, where the law holds"
-COLUMNS = ("variant", "rear drive spins in", *(f"{name} holds" for name in CONTROLS if name != REAR_DRIVE))
+COLUMNS = (
+    "variant",
+    "rear drive spins in",
+    *(f"{name} holds" for name in CONTROLS if name != REAR_DRIVE),
+)
 HEADING = f"of {grid.SIZE} cases: held of those in which rear drive spins (of all)"
 
 
@@ -44,23 +48,42 @@ VARIANTS = (
     BASE,
     _of_car("S0_low", "S0 = 0.03 instead of 0.05", "tyre.coefficients", (0.35, 0.03, 0.15, 0.0)),
     _of_car("S0_high", "S0 = 0.08", "tyre.coefficients", (0.35, 0.08, 0.15, 0.0)),
-    _of_car("no_peak", "tyre curve without a peak, S1 = 0.001", "tyre.coefficients", (0.35, 0.05, 0.001, 0.0)),
-    _of_car("height_low", "centre of mass 0.4 m high instead of 0.65 m", "centre_of_mass_height", 0.4),
+    _of_car(
+        "no_peak",
+        "tyre curve without a peak, S1 = 0.001",
+        "tyre.coefficients",
+        (0.35, 0.05, 0.001, 0.0),
+    ),
+    _of_car(
+        "height_low", "centre of mass 0.4 m high instead of 0.65 m", "centre_of_mass_height", 0.4
+    ),
     _of_car("height_high", "centre of mass 0.8 m high", "centre_of_mass_height", 0.8),
     _of_car("inertia_low", "J_z = 3200 kg m^2 instead of 4200 kg m^2", "yaw_inertia", 3200.0),
     _of_car("inertia_high", "J_z = 5200 kg m^2", "yaw_inertia", 5200.0),
-    _reading("rear_wheels", "by_geometry", "more torque for the inner rear wheel instead of the slower one"),
+    _reading(
+        "rear_wheels",
+        "by_geometry",
+        "more torque for the inner rear wheel instead of the slower one",
+    ),
     _reading("second_branch", "derived", "eq 5 as it follows, K cos(phi)"),
     _reading("second_branch", "rear_share", "eq 5 for the rear share, 1 - K cos(phi)"),
-    _reading("braking", "command", "braking by the driver's command instead of j_x <= 0 straight ahead"),
-    _reading("braking", "deceleration", "all torque to the rear axle wherever the car slows down, j_x <= 0"),
+    _reading(
+        "braking", "command", "braking by the driver's command instead of j_x <= 0 straight ahead"
+    ),
+    _reading(
+        "braking",
+        "deceleration",
+        "all torque to the rear axle wherever the car slows down, j_x <= 0",
+    ),
     _reading("source", "estimated", "slip angles from the observer"),
 )
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """The whole grid for every variant, as on the page docs/zhileykin2018.md."""
-    return [case for each in VARIANTS for case in grid.cases_of(each.controls, each.values, each.name)]
+    return [
+        case for each in VARIANTS for case in grid.cases_of(each.controls, each.values, each.name)
+    ]
 
 
 measure = grid.measure
@@ -81,7 +104,9 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """The counts of the table."""
     found = {}
     for each in VARIANTS:
-        found[f"rear_drive_spins_{each.name}"] = metric(lambda each=each: _spins(results, each).sum(), "1")
+        found[f"rear_drive_spins_{each.name}"] = metric(
+            lambda each=each: _spins(results, each).sum(), "1"
+        )
         for control in each.controls:
             if control != REAR_DRIVE:
                 found[f"holds_where_rear_drive_spins_{control}_{each.name}"] = metric(
@@ -100,6 +125,10 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
         return f"{of_spins} ({of_all})"
 
     return [
-        (each.title, str(_spins(results, each).sum()), *(shown(each, name) for name in CONTROLS if name != REAR_DRIVE))
+        (
+            each.title,
+            str(_spins(results, each).sum()),
+            *(shown(each, name) for name in CONTROLS if name != REAR_DRIVE),
+        )
         for each in VARIANTS
     ]

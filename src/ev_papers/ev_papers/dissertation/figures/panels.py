@@ -29,11 +29,16 @@ from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.panels_page import Draw, PublishedPanel, cannot_be_drawn, over_time
 
 CYCLES, ON_BENCH = (
-    {METHODS[name].number: ScenarioNeed(scenario, case(name, "pulse", 1).values, slow=True) for name in FIVE}
+    {
+        METHODS[name].number: ScenarioNeed(scenario, case(name, "pulse", 1).values, slow=True)
+        for name in FIVE
+    }
     for scenario in (SCENARIO, BENCH)
 )
 _FIGURES_OF_A_METHOD = 5
-_OfRun = Callable[[Recording, Vehicle, Mapping[str, Any]], Sheet]  # of the run, its car, the parameters of its driver
+_OfRun = Callable[
+    [Recording, Vehicle, Mapping[str, Any]], Sheet
+]  # of the run, its car, the parameters of its driver
 
 
 def _of_run(draw: _OfRun) -> Draw:
@@ -47,12 +52,23 @@ def _of_run(draw: _OfRun) -> Draw:
 
 
 def _of_each_method(
-    row: str, figure: Callable[[int], str], letter: str, draw: _OfRun, cycles: Mapping[int, ScenarioNeed]
+    row: str,
+    figure: Callable[[int], str],
+    letter: str,
+    draw: _OfRun,
+    cycles: Mapping[int, ScenarioNeed],
 ) -> tuple[PublishedPanel, ...]:
     """The same panel for methods 1 to 5; `figure` gives the number of the figure of a method."""
     ending = f".{letter}" if letter else ""
     return tuple(
-        PublishedPanel(figure(number), letter, row, (f"diss.fig{figure(number)}{ending}",), (need,), _of_run(draw))
+        PublishedPanel(
+            figure(number),
+            letter,
+            row,
+            (f"diss.fig{figure(number)}{ending}",),
+            (need,),
+            _of_run(draw),
+        )
         for number, need in cycles.items()
     )
 
@@ -67,12 +83,18 @@ def _efficiency_of_wheel(side: str) -> _OfRun:
 
 def _on_bench(row: str, place: int, letter: str, draw: _OfRun) -> tuple[PublishedPanel, ...]:
     return _of_each_method(
-        f"Bench, {row}", lambda method: f"5.{_FIGURES_OF_A_METHOD * (method - 1) + place}", letter, draw, ON_BENCH
+        f"Bench, {row}",
+        lambda method: f"5.{_FIGURES_OF_A_METHOD * (method - 1) + place}",
+        letter,
+        draw,
+        ON_BENCH,
     )
 
 
 def _simulated(row: str, first: int, letter: str, draw: _OfRun) -> tuple[PublishedPanel, ...]:
-    return _of_each_method(f"Simulation, {row}", lambda method: f"3.{2 * method - 2 + first}", letter, draw, CYCLES)
+    return _of_each_method(
+        f"Simulation, {row}", lambda method: f"3.{2 * method - 2 + first}", letter, draw, CYCLES
+    )
 
 
 def _model_and_bench(model: ScenarioRuns, bench: ScenarioRuns) -> Sheet:
@@ -85,7 +107,9 @@ def _model_and_bench(model: ScenarioRuns, bench: ScenarioRuns) -> Sheet:
             Curve(other.time, channel(other, "bench.shafts.torque.front_right"), "bench"),
         ]
 
-    return over_cycle([panel("Right torque, method 1", "torque [N m]", curves)], one, model.parameters["driver"])
+    return over_cycle(
+        [panel("Right torque, method 1", "torque [N m]", curves)], one, model.parameters["driver"]
+    )
 
 
 _BENCH_PANELS = (
@@ -97,7 +121,14 @@ _BENCH_PANELS = (
     *_on_bench("drive efficiency, right", 5, "a", _quantity("drive efficiency", "right")),
     *_on_bench("drive efficiency, left", 5, "b", _quantity("drive efficiency", "left")),
     *_on_bench("torques and friction", 5, "v", over_friction),
-    PublishedPanel("5.26", "", "Model against bench", ("diss.fig5.26",), (CYCLES[1], ON_BENCH[1]), _model_and_bench),
+    PublishedPanel(
+        "5.26",
+        "",
+        "Model against bench",
+        ("diss.fig5.26",),
+        (CYCLES[1], ON_BENCH[1]),
+        _model_and_bench,
+    ),
 )
 
 
@@ -123,7 +154,9 @@ _CYCLE_PANELS = (
     _cycle("2.10", "EPA New York City Cycle, the public data", "cycles/nycc.csv"),
     cannot_be_drawn("2.11", "", _CYCLES, f"modemIM Urban_Slow: {_NO_DATA}", "diss.fig2.11"),
     _cycle("2.12", "TRRL 1.1, table 2.4", "cycles/trrl_1_1.csv"),
-    PublishedPanel("2.13", "", "Cycle and road", ("diss.fig2.13",), (CYCLES[1],), _of_run(cycle_figure)),
+    PublishedPanel(
+        "2.13", "", "Cycle and road", ("diss.fig2.13",), (CYCLES[1],), _of_run(cycle_figure)
+    ),
 )
 
 
@@ -145,7 +178,9 @@ def _limits(driven: ScenarioRuns) -> Panel:
         drawn = []
         for share in (1.0, 0.75, 0.5):
             voltage = share * cells.in_series * _CELL
-            envelope = np.array([voltage_limited_torque(motor.winding, voltage, each) for each in speed])
+            envelope = np.array(
+                [voltage_limited_torque(motor.winding, voltage, each) for each in speed]
+            )
             torque = np.minimum(np.minimum(motor.peak_torque, motor.peak_power / speed), envelope)
             drawn += [
                 Curve(speed, torque, f"torque [N m], {voltage:.0f} V"),
@@ -153,14 +188,20 @@ def _limits(driven: ScenarioRuns) -> Panel:
             ]
         return drawn
 
-    return panel("a  Peak torque and power by voltage, from assumed constants", "torque [N m], power [kW]", curves)
+    return panel(
+        "a  Peak torque and power by voltage, from assumed constants",
+        "torque [N m], power [kW]",
+        curves,
+    )
 
 
 def _efficiency(driven: ScenarioRuns) -> Sheet:
     motor = driven.vehicle.motor
     speed, torque = np.meshgrid(_speeds(driven), np.linspace(5.0, motor.peak_torque, 100))
     power = speed * torque
-    efficiency = np.where(power <= motor.peak_power, power / (power + loss_power(motor, torque, speed)), np.nan)
+    efficiency = np.where(
+        power <= motor.peak_power, power / (power + loss_power(motor, torque, speed)), np.nan
+    )
     levels = (0.5, 0.7, 0.8, 0.85, 0.9, 0.92, 0.94, 0.95, 0.96)
     title = "b  Efficiency of motor and inverter, as assumed"
     return Sheet([contours(title, (_SPEED, speed), ("torque [N m]", torque), efficiency, levels)])
@@ -168,10 +209,18 @@ def _efficiency(driven: ScenarioRuns) -> Sheet:
 
 _MACHINE_PANELS = (
     cannot_be_drawn(
-        "1.5", "", "Market of electric cars", "a forecast of another firm, no data are in the text", "diss.fig1.5"
+        "1.5",
+        "",
+        "Market of electric cars",
+        "a forecast of another firm, no data are in the text",
+        "diss.fig1.5",
     ),
     cannot_be_drawn(
-        "1.13", "", "Double planetary drive of another maker", "only the caption of its curve is left", "diss.fig1.13"
+        "1.13",
+        "",
+        "Double planetary drive of another maker",
+        "only the caption of its curve is left",
+        "diss.fig1.13",
     ),
     PublishedPanel("1.22", "a", _ROW, ("diss.fig1.22",), (_CAR,), over_time(_limits, _SPEED)),
     PublishedPanel("1.22", "b", _ROW, ("diss.fig1.22",), (_CAR,), _efficiency),
@@ -179,8 +228,14 @@ _MACHINE_PANELS = (
 
 
 _ROWS = {
-    "1": ("Layouts, differentials, surveyed slip controls, machine", (*range(1, 5), *range(6, 13), *range(14, 22))),
-    "2": ("Schemes of car, wheel, body and control, screens of the model", (*range(1, 8), *range(14, 22))),
+    "1": (
+        "Layouts, differentials, surveyed slip controls, machine",
+        (*range(1, 5), *range(6, 13), *range(14, 22)),
+    ),
+    "2": (
+        "Schemes of car, wheel, body and control, screens of the model",
+        (*range(1, 8), *range(14, 22)),
+    ),
     "4": ("The test bench", range(1, 12)),
 }
 _WHY = "a scheme, a photograph or a screen, no quantity over another one"
@@ -191,7 +246,9 @@ def _scheme(row: str, figure: str) -> PublishedPanel:
 
 
 _SCHEMES_PANELS = tuple(
-    _scheme(row, f"{chapter}.{number}") for chapter, (row, numbers) in _ROWS.items() for number in numbers
+    _scheme(row, f"{chapter}.{number}")
+    for chapter, (row, numbers) in _ROWS.items()
+    for number in numbers
 )
 
 

@@ -10,9 +10,19 @@ from typing import Any
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_papers.dissertation.figures.urban_sheets import both_sides, each_side, left_and_right, over_cycle, recorded
+from ev_papers.dissertation.figures.urban_sheets import (
+    both_sides,
+    each_side,
+    left_and_right,
+    over_cycle,
+    recorded,
+)
 from ev_papers.dissertation.measures.circuits import CircuitShares, circuit_shares
-from ev_papers.dissertation.measures.slip_curve import SlipCurve, first_passed_peak, slip_and_road_torque
+from ev_papers.dissertation.measures.slip_curve import (
+    SlipCurve,
+    first_passed_peak,
+    slip_and_road_torque,
+)
 from ev_papers.dissertation.measures.traction_windows import traction
 from ev_sim.figures.panels import Axes, Curve, Panel, panel, readable
 from ev_sim.figures.sheets import Sheet
@@ -26,7 +36,10 @@ from ev_sim.tyres.curve import FRICTION_CURVES, friction
 
 AROUND = 0.1  # [s] before and after the window, of which samples are drawn, too
 _ALLOWED, _BEYOND = "#E3F1E6", "#FBE3DC"
-_SLIP, _SHAPE = "slip x = 1 - w_free/w [1]", 0.55  # abscissa, and height over width of the slip curve
+_SLIP, _SHAPE = (
+    "slip x = 1 - w_free/w [1]",
+    0.55,
+)  # abscissa, and height over width of the slip curve
 
 
 def slip_curve_figure(run: Recording, vehicle: Vehicle) -> Sheet:
@@ -35,9 +48,17 @@ def slip_curve_figure(run: Recording, vehicle: Vehicle) -> Sheet:
     try:
         wheel = _left_wheel(vehicle)
         title = f"{title}, {readable(wheel)} wheel"
-        ground = partial(_draw, run=run, vehicle=vehicle, wheel=wheel, curve=first_passed_peak(run, vehicle, wheel))
+        ground = partial(
+            _draw,
+            run=run,
+            vehicle=vehicle,
+            wheel=wheel,
+            curve=first_passed_peak(run, vehicle, wheel),
+        )
     except NotMeasured as why:
-        return Sheet([Panel(title, ylabel, note=f"not measured: {why}", xlabel=_SLIP, shape=_SHAPE)])
+        return Sheet(
+            [Panel(title, ylabel, note=f"not measured: {why}", xlabel=_SLIP, shape=_SHAPE)]
+        )
     return Sheet([Panel(title, ylabel, ground=ground, xlabel=_SLIP, shape=_SHAPE)])
 
 
@@ -58,17 +79,26 @@ def _draw(axes: Axes, run: Recording, vehicle: Vehicle, wheel: str, curve: SlipC
     slips = np.linspace(0.0, right, 300)
     axes.axvspan(0.0, peak, facecolor=_ALLOWED, edgecolor="none")
     axes.axvspan(peak, right, facecolor=_BEYOND, edgecolor="none")
-    axes.plot(x[around], y[around], ".", color="0.6", label=f"samples from {begin:.2f} s to {end:.2f} s")
+    axes.plot(
+        x[around], y[around], ".", color="0.6", label=f"samples from {begin:.2f} s to {end:.2f} s"
+    )
     axes.plot(x[curve.window], y[curve.window], "o", color=HUES[0], label="window of the fit")
     label = f"y = {curve.a:.3g} x + {curve.b:.3g} sqrt(x)"
     axes.plot(slips, curve.at(slips), color=HUES[1], lw=1.6, label=label)
     surface, true = _of_the_road(run, vehicle, wheel, curve, y, slips)
     axes.plot(slips, true, color="0.25", linestyle="--", label=readable(surface))
     axes.axvline(peak, color="0.3", lw=0.9)
-    axes.plot(x[hit], y[hit], "D", color="#B00020", ms=6, label=f"peak passed at {run.time[hit]:.3f} s")
-    for place, number, words in ((peak / 2, 1, "allowed slip"), ((peak + right) / 2, 2, "beyond the grip")):
+    axes.plot(
+        x[hit], y[hit], "D", color="#B00020", ms=6, label=f"peak passed at {run.time[hit]:.3f} s"
+    )
+    for place, number, words in (
+        (peak / 2, 1, "allowed slip"),
+        ((peak + right) / 2, 2, "beyond the grip"),
+    ):
         axes.text(place, 0.98 * top, f"zone {number}: {words}", ha="center", va="top")
-    axes.annotate(f"dy/dx = 0 at x = {peak:.4f}", (peak, 0.03 * top), (4, 0), textcoords="offset points")
+    axes.annotate(
+        f"dy/dx = 0 at x = {peak:.4f}", (peak, 0.03 * top), (4, 0), textcoords="offset points"
+    )
     axes.set_xlim(0.0, right)
     axes.set_ylim(0.0, top)
 
@@ -120,15 +150,29 @@ def panels(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[
         shown = (
             shown_by("Torque at the transducer", "torque [N m]", "bench.shafts.torque"),
             shown_by("Speed at the transducer", "shaft speed [rad/s]", "bench.shafts.speed"),
-            shown_by("Current of the machine under test", "current [A]", "bench.electrical.current"),
-            shown_by("Voltage of the machine under test", "voltage [V]", "bench.electrical.voltage"),
+            shown_by(
+                "Current of the machine under test", "current [A]", "bench.electrical.current"
+            ),
+            shown_by(
+                "Voltage of the machine under test", "voltage [V]", "bench.electrical.voltage"
+            ),
         )
     else:
         shown = (
             shown_by("Motor torque", "torque [N m]", "motor_states.effort"),
             shown_by("Motor speed", "shaft speed [rad/s]", "motor_states.velocity"),
-            each_side(vehicle, "Current of the motor's circuit", "current [A]", lambda of: _current(run, vehicle, of)),
-            each_side(vehicle, "Voltage", "voltage [V]", lambda of: Curve(run.time, channel(run, "battery.voltage"))),
+            each_side(
+                vehicle,
+                "Current of the motor's circuit",
+                "current [A]",
+                lambda of: _current(run, vehicle, of),
+            ),
+            each_side(
+                vehicle,
+                "Voltage",
+                "voltage [V]",
+                lambda of: Curve(run.time, channel(run, "battery.voltage")),
+            ),
         )
     return dict(zip(OF_A_CIRCUIT, (*shown, efficiency), strict=True))
 
@@ -143,7 +187,12 @@ def electrical(
 ) -> Sheet:
     """Some of the OF_A_CIRCUIT over the cycle, of both sides or of one: figures 3.1, 3.3 to 3.9 and 5.1 to 5.25."""
     of, wheels = panels(run, vehicle, driver), left_and_right(vehicle)
-    shown = [each for name in chosen for wheel, each in zip(wheels, of[name], strict=True) if wheel.endswith(side)]
+    shown = [
+        each
+        for name in chosen
+        for wheel, each in zip(wheels, of[name], strict=True)
+        if wheel.endswith(side)
+    ]
     return over_cycle(shown, run, driver, columns)
 
 
@@ -161,11 +210,17 @@ def over_friction(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -
 
     torques = panels(run, vehicle, driver)["torque"]
     grounds = [partial(beside, wheel=wheel) for wheel in left_and_right(vehicle)]
-    return Sheet([replace(each, ground=of) for each, of in zip(torques, grounds, strict=True)], columns=1)
+    return Sheet(
+        [replace(each, ground=of) for each, of in zip(torques, grounds, strict=True)], columns=1
+    )
 
 
 def wheel_efficiency(
-    run: Recording, vehicle: Vehicle, driver: Mapping[str, Any], wheels: Sequence[str], below: Sequence[Panel] = ()
+    run: Recording,
+    vehicle: Vehicle,
+    driver: Mapping[str, Any],
+    wheels: Sequence[str],
+    below: Sequence[Panel] = (),
 ) -> Sheet:
     """Figures 3.2, 3.4 to 3.10: running efficiency (eq 2.37) of wheels over the friction there, and panels below."""
     of_wheels = [
@@ -177,17 +232,24 @@ def wheel_efficiency(
         )
         for wheel in wheels
     ]
-    over = [replace(each, ground=_friction_below(run, wheel)) for each, wheel in zip(of_wheels, wheels, strict=True)]
+    over = [
+        replace(each, ground=_friction_below(run, wheel))
+        for each, wheel in zip(of_wheels, wheels, strict=True)
+    ]
     return Sheet([*over, *below], columns=1)
 
 
-def _wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any], wheel: str) -> Curve:
+def _wheel_efficiency(
+    run: Recording, vehicle: Vehicle, driver: Mapping[str, Any], wheel: str
+) -> Curve:
     """Eq 2.37 from the start of the cycle up to each sample; a gap where fractions of a turn give nonsense."""
     found = _shares(run, vehicle, wheel).running_efficiency(traction(run, driver))
     return Curve(run.time, np.where((found >= 0.0) & (found <= 1.0), found, np.nan))
 
 
-def _drive_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any], wheel: str) -> Curve:
+def _drive_efficiency(
+    run: Recording, vehicle: Vehicle, driver: Mapping[str, Any], wheel: str
+) -> Curve:
     """Eq 2.38 from the start of the cycle up to each sample."""
     found = _shares(run, vehicle, wheel).running_drive_efficiency(traction(run, driver))
     return Curve(run.time, np.where(found >= 0.0, found, np.nan))
@@ -195,7 +257,9 @@ def _drive_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any
 
 def _current(run: Recording, vehicle: Vehicle, wheel: str) -> Curve:
     """What the circuit takes from the battery [A]."""
-    period = np.diff(run.time, prepend=run.time[0] - 1.0)  # the first sample has no period before it
+    period = np.diff(
+        run.time, prepend=run.time[0] - 1.0
+    )  # the first sample has no period before it
     work = _shares(run, vehicle, wheel).electrical_work
     return Curve(run.time, work / period / channel(run, "battery.voltage"))
 
@@ -214,13 +278,19 @@ def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Sheet
     except NotMeasured:
         begin = run.time[0]
     part = (run.time >= begin) & (run.time <= begin + DETAIL)
-    shorter = Recording(run.time[part], {name: values[part] for name, values in run.channels.items()})
+    shorter = Recording(
+        run.time[part], {name: values[part] for name, values in run.channels.items()}
+    )
     wheels = left_and_right(vehicle)
 
     def rims() -> list[Curve]:
         named = [(wheel, f"{readable(wheel)} rim") for wheel in wheels]
         curves = [
-            Curve(shorter.time, vehicle.wheel_radius * channel(shorter, f"wheel_states.velocity.{wheel}"), label)
+            Curve(
+                shorter.time,
+                vehicle.wheel_radius * channel(shorter, f"wheel_states.velocity.{wheel}"),
+                label,
+            )
             for wheel, label in named
         ]
         return [*curves, Curve(shorter.time, motion.path_speed(shorter), "car")]
@@ -262,6 +332,13 @@ def _friction_below(run: Recording, wheel: str) -> Callable[[Axes], None] | None
         return None
 
     def ground(axes: Axes) -> None:
-        axes.fill_between(run.time[::10], friction, step="post", color="0.87", linewidth=0.0, label="largest friction")
+        axes.fill_between(
+            run.time[::10],
+            friction,
+            step="post",
+            color="0.87",
+            linewidth=0.0,
+            label="largest friction",
+        )
 
     return ground

@@ -43,7 +43,9 @@ def stretches(time: np.ndarray, names: np.ndarray) -> list[tuple[float, float, s
     return [(float(time[a]), float(time[b]), str(names[a])) for a, b in pairwise(edges)]
 
 
-def over_cycle(panels: Sequence[Panel], run: Recording, driver: Mapping[str, Any], columns: int = 1) -> Sheet:
+def over_cycle(
+    panels: Sequence[Panel], run: Recording, driver: Mapping[str, Any], columns: int = 1
+) -> Sheet:
     """Panels over the cycle, those of curves alone with a faint ground behind the traction windows."""
     try:
         pieces = stretches(run.time, cycle.modes_over_time(run, driver))
@@ -52,25 +54,42 @@ def over_cycle(panels: Sequence[Panel], run: Recording, driver: Mapping[str, Any
     windows = [(start, end - start) for start, end, mode in pieces if mode == MODES[TRACTION]]
 
     def shade(axes: Axes) -> None:
-        axes.broken_barh(windows, (0.0, 1.0), transform=axes.get_xaxis_transform(), facecolor=_SHADE, zorder=0)
+        axes.broken_barh(
+            windows, (0.0, 1.0), transform=axes.get_xaxis_transform(), facecolor=_SHADE, zorder=0
+        )
 
-    return Sheet([panel if panel.ground else replace(panel, ground=shade) for panel in panels], columns=columns)
+    return Sheet(
+        [panel if panel.ground else replace(panel, ground=shade) for panel in panels],
+        columns=columns,
+    )
 
 
 def left_and_right(vehicle: Vehicle) -> tuple[str, ...]:
     """The first two driven wheels; the front ones where fewer are driven."""
-    return vehicle.driven_wheels[:2] if len(vehicle.driven_wheels) > 1 else ("front_left", "front_right")
+    return (
+        vehicle.driven_wheels[:2]
+        if len(vehicle.driven_wheels) > 1
+        else ("front_left", "front_right")
+    )
 
 
-def each_side(vehicle: Vehicle, title: str, ylabel: str, *curves: Callable[[str], Curve]) -> list[Panel]:
+def each_side(
+    vehicle: Vehicle, title: str, ylabel: str, *curves: Callable[[str], Curve]
+) -> list[Panel]:
     """A panel for the wheel of each side: pulses would hide each other."""
     return [
-        panel(f"{title}, {readable(wheel)}", ylabel, lambda wheel=wheel: [curve(wheel) for curve in curves])
+        panel(
+            f"{title}, {readable(wheel)}",
+            ylabel,
+            lambda wheel=wheel: [curve(wheel) for curve in curves],
+        )
         for wheel in left_and_right(vehicle)
     ]
 
 
-def recorded(run: Recording, vehicle: Vehicle, title: str, ylabel: str, *quantities: tuple[str, str]) -> list[Panel]:
+def recorded(
+    run: Recording, vehicle: Vehicle, title: str, ylabel: str, *quantities: tuple[str, str]
+) -> list[Panel]:
     """Such panels of recorded quantities and their labels."""
     return each_side(
         vehicle,
@@ -85,7 +104,10 @@ def recorded(run: Recording, vehicle: Vehicle, title: str, ylabel: str, *quantit
 
 def both_sides(run: Recording, vehicle: Vehicle, quantity: str) -> list[Curve]:
     """A quantity of the wheels of both sides, in one panel."""
-    return [Curve(run.time, channel(run, f"{quantity}.{wheel}"), readable(wheel)) for wheel in left_and_right(vehicle)]
+    return [
+        Curve(run.time, channel(run, f"{quantity}.{wheel}"), readable(wheel))
+        for wheel in left_and_right(vehicle)
+    ]
 
 
 def cycle_figure(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Sheet:
@@ -98,14 +120,25 @@ def cycle_figure(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) ->
         ]
 
     under = [
-        _strip(f"Under the {readable(wheel)} wheel", run, partial(surfaces_under, run, vehicle, wheel), SURFACE_COLOURS)
+        _strip(
+            f"Under the {readable(wheel)} wheel",
+            run,
+            partial(surfaces_under, run, vehicle, wheel),
+            SURFACE_COLOURS,
+        )
         for wheel in left_and_right(vehicle)
     ]
-    windows = _strip("Windows of the cycle", run, partial(cycle.modes_over_time, run, driver), MODE_COLOURS)
-    return Sheet([panel("Urban cycle", "speed [m/s]", speeds, ends=(0.0, None)), *under, windows], columns=1)
+    windows = _strip(
+        "Windows of the cycle", run, partial(cycle.modes_over_time, run, driver), MODE_COLOURS
+    )
+    return Sheet(
+        [panel("Urban cycle", "speed [m/s]", speeds, ends=(0.0, None)), *under, windows], columns=1
+    )
 
 
-def _strip(title: str, run: Recording, names: Callable[[], np.ndarray], colours: Mapping[str, str]) -> Panel:
+def _strip(
+    title: str, run: Recording, names: Callable[[], np.ndarray], colours: Mapping[str, str]
+) -> Panel:
     """A strip of colours over time, each named in the legend."""
     try:
         pieces = stretches(run.time, names())
@@ -129,17 +162,42 @@ def motors_and_cells(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]
 
     def temperatures() -> list[Curve]:
         wheel = left_and_right(vehicle)[0]
-        return [Curve(run.time, channel(run, f"motor_temperatures.{name}.{wheel}"), label) for name, label in _COOLED]
+        return [
+            Curve(run.time, channel(run, f"motor_temperatures.{name}.{wheel}"), label)
+            for name, label in _COOLED
+        ]
 
     return over_cycle(
         [
-            *recorded(run, vehicle, "Phase current, rms", "current [A]", ("motor_electrics.current", "")),
-            *recorded(run, vehicle, "Phase voltage, rms", "voltage [V]", ("motor_electrics.voltage", "")),
-            *recorded(run, vehicle, "Power from the DC link", "power [W]", ("motor_electrics.power", "")),
-            panel("Winding", "temperature [degC]", lambda: both_sides(run, vehicle, "motor_temperatures.winding")),
-            panel(f"Temperatures, {readable(left_and_right(vehicle)[0])}", "temperature [degC]", temperatures),
-            panel("Cell", "voltage [V]", lambda: [Curve(run.time, channel(run, "battery.cell.voltage"))]),
-            panel("Cell", "temperature [degC]", lambda: [Curve(run.time, channel(run, "battery.cell.temperature"))]),
+            *recorded(
+                run, vehicle, "Phase current, rms", "current [A]", ("motor_electrics.current", "")
+            ),
+            *recorded(
+                run, vehicle, "Phase voltage, rms", "voltage [V]", ("motor_electrics.voltage", "")
+            ),
+            *recorded(
+                run, vehicle, "Power from the DC link", "power [W]", ("motor_electrics.power", "")
+            ),
+            panel(
+                "Winding",
+                "temperature [degC]",
+                lambda: both_sides(run, vehicle, "motor_temperatures.winding"),
+            ),
+            panel(
+                f"Temperatures, {readable(left_and_right(vehicle)[0])}",
+                "temperature [degC]",
+                temperatures,
+            ),
+            panel(
+                "Cell",
+                "voltage [V]",
+                lambda: [Curve(run.time, channel(run, "battery.cell.voltage"))],
+            ),
+            panel(
+                "Cell",
+                "temperature [degC]",
+                lambda: [Curve(run.time, channel(run, "battery.cell.temperature"))],
+            ),
         ],
         run,
         driver,
@@ -165,7 +223,10 @@ def bench_channels(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) 
     """Torques and speeds commanded and measured, temperatures of both circuits, and the accounts of energy."""
 
     def energies() -> list[Curve]:
-        return [Curve(run.time, channel(run, f"bench.energy.{name}") / 1e6, name) for name in BenchEnergy._fields]
+        return [
+            Curve(run.time, channel(run, f"bench.energy.{name}") / 1e6, name)
+            for name in BenchEnergy._fields
+        ]
 
     return over_cycle(
         [

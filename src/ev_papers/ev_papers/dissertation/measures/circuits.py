@@ -91,7 +91,9 @@ class CircuitShares:
 
     def sums(self, counted: np.ndarray) -> CircuitSums:
         """The sums over the samples that are counted, (n,) bool."""
-        return CircuitSums(**{of.name: float(getattr(self, of.name)[counted].sum()) for of in fields(self)})
+        return CircuitSums(
+            **{of.name: float(getattr(self, of.name)[counted].sum()) for of in fields(self)}
+        )
 
     def running_efficiency(self, counted: np.ndarray) -> np.ndarray:
         """Wheel efficiency (eq 2.37) from the start up to each sample, (n,) [1]; NaN before the wheel is driven."""
@@ -103,7 +105,10 @@ class CircuitShares:
 
     def running_drive_efficiency(self, counted: np.ndarray) -> np.ndarray:
         """Drive efficiency (eq 2.38) from the start up to each sample, (n,) [1]; NaN before the battery gives."""
-        work, taken = (np.cumsum(np.where(counted, values, 0.0)) for values in (self.shaft_work, self.electrical_work))
+        work, taken = (
+            np.cumsum(np.where(counted, values, 0.0))
+            for values in (self.shaft_work, self.electrical_work)
+        )
         return _running(work, taken)
 
 
@@ -148,11 +153,15 @@ def circuit_shares(run: Recording, vehicle: Vehicle) -> dict[str, CircuitShares]
     return shares
 
 
-def _drive(run: Recording, vehicle: Vehicle, wheel: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _drive(
+    run: Recording, vehicle: Vehicle, wheel: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Torque [N m] and speed [rad/s] at the shaft, and the power that was taken [W], (n,) each."""
     if f"bench.shafts.torque.{wheel}" in run.channels:
         torque, speed = (channel(run, f"bench.shafts.{of}.{wheel}") for of in ("torque", "speed"))
-        voltage, current = (channel(run, f"bench.electrical.{of}.{wheel}") for of in ("voltage", "current"))
+        voltage, current = (
+            channel(run, f"bench.electrical.{of}.{wheel}") for of in ("voltage", "current")
+        )
         return torque, speed, voltage * current
     torque, speed = (channel(run, f"motor_states.{of}.{wheel}") for of in ("effort", "velocity"))
     return torque, speed, torque * speed + _losses(vehicle, torque, speed)
@@ -179,7 +188,9 @@ def slip_energy(run: Recording, vehicle: Vehicle, counted: np.ndarray) -> float:
     for wheel in vehicle.driven_wheels:
         free = free_wheel_beside(wheel, vehicle)
         force = channel(run, f"tire_forces.longitudinal_force.{wheel}")
-        gap = channel(run, f"wheel_states.velocity.{wheel}") - channel(run, f"wheel_states.velocity.{free}")
+        gap = channel(run, f"wheel_states.velocity.{wheel}") - channel(
+            run, f"wheel_states.velocity.{free}"
+        )
         lost += float((force * _radius(vehicle, wheel) * gap * period)[counted].sum())
     return lost
 
@@ -197,6 +208,9 @@ def _losses(vehicle: Vehicle, torque: np.ndarray, speed: np.ndarray) -> np.ndarr
     """Losses of one motor and its inverter at shaft torques [N m] and speeds [rad/s], (n,) [W]."""
     motor = vehicle.motor
     if motor.map_efficiency:
-        tables, at = (motor.map_speed, motor.map_torque, motor.map_efficiency), zip(torque, speed, strict=True)
+        tables, at = (
+            (motor.map_speed, motor.map_torque, motor.map_efficiency),
+            zip(torque, speed, strict=True),
+        )
         return np.array([map_loss_power(float(one), float(other), *tables) for one, other in at])
     return loss_power(motor, torque, speed)

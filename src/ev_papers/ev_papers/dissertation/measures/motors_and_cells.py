@@ -25,7 +25,10 @@ def electrical_metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
         return {}
 
     def largest(quantity: str) -> float:
-        return max(float(np.abs(channel(run, f"{quantity}.{wheel}")).max()) for wheel in vehicle.driven_wheels)
+        return max(
+            float(np.abs(channel(run, f"{quantity}.{wheel}")).max())
+            for wheel in vehicle.driven_wheels
+        )
 
     def derated() -> float:
         """Time in which winding or power stage of a driven wheel is above its warm temperature."""
@@ -43,9 +46,15 @@ def electrical_metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
         "derated_time": (derated, "s"),
         "least_cell_voltage": (lambda: float(channel(run, f"{_CELL}.voltage").min()), "V"),
         "largest_cell_voltage": (lambda: float(channel(run, f"{_CELL}.voltage").max()), "V"),
-        "peak_cell_temperature": (lambda: float(channel(run, f"{_CELL}.temperature").max()), "degC"),
+        "peak_cell_temperature": (
+            lambda: float(channel(run, f"{_CELL}.temperature").max()),
+            "degC",
+        ),
     }
-    return {name: metric(value, unit, name.replace("_", " ")) for name, (value, unit) in of_motors.items()}
+    return {
+        name: metric(value, unit, name.replace("_", " "))
+        for name, (value, unit) in of_motors.items()
+    }
 
 
 _GONE = ("resistor", "machines", "loads", "shafts", "stored")

@@ -18,7 +18,9 @@ from ev_sim.recording.recording import Recording
 
 WINDOW = 0.125  # [s]; the source gives no length
 LEAST_SLIP = 0.03  # [1], below it no wheel has passed its peak
-LEAST_SPREAD = 0.01  # [1], standard deviation of the slip in a window that shows a curve and not a point
+LEAST_SPREAD = (
+    0.01  # [1], standard deviation of the slip in a window that shows a curve and not a point
+)
 HITS = 5  # windows in a row whose curve falls in the end
 LARGEST_ERROR = 1e-3  # [1], sum of the squared errors of a fit that counts; printed below eq 2.36
 SLOWEST = 3.0  # [rad/s], of the free wheel; at rest slip has no meaning
@@ -45,7 +47,9 @@ class SlipCurve:
         return self.a * slip + self.b * np.sqrt(slip)
 
 
-def slip_and_road_torque(run: Recording, vehicle: Vehicle, wheel: str) -> tuple[np.ndarray, np.ndarray]:
+def slip_and_road_torque(
+    run: Recording, vehicle: Vehicle, wheel: str
+) -> tuple[np.ndarray, np.ndarray]:
     """X = 1 - w_free/w and y = (M - J w')/M_nom of a driven wheel over the period before each sample, (n,) [1].
 
     M_nom is that of the motor at the wheel. NotMeasured if there is no free wheel beside it.
@@ -83,7 +87,9 @@ def first_passed_peak(run: Recording, vehicle: Vehicle, wheel: str) -> SlipCurve
     raise NotMeasured(f"{wheel.replace('_', ' ')} never passes the peak of its slip curve")
 
 
-def _tells_a_peak(run: Recording, vehicle: Vehicle, wheel: str, x: np.ndarray, size: int) -> np.ndarray:
+def _tells_a_peak(
+    run: Recording, vehicle: Vehicle, wheel: str, x: np.ndarray, size: int
+) -> np.ndarray:
     """Whether the window that begins at a sample may be fitted, (n - size + 1,) bool."""
 
     def windows(values: np.ndarray) -> np.ndarray:
@@ -95,7 +101,13 @@ def _tells_a_peak(run: Recording, vehicle: Vehicle, wheel: str, x: np.ndarray, s
     driven = windows(channel(run, f"wheel_states.effort.{wheel}")).min(axis=1) > 0.0
     rising = (np.diff(slips, axis=1) > 0.0).all(axis=1) & (slips[:, 0] > 0.0)
     enough = (slips[:, -1] > LEAST_SLIP) & (slips.std(axis=1) > LEAST_SPREAD)
-    return driven & rising & enough & (np.ptp(friction, axis=1) == 0.0) & (windows(free).min(axis=1) > SLOWEST)
+    return (
+        driven
+        & rising
+        & enough
+        & (np.ptp(friction, axis=1) == 0.0)
+        & (windows(free).min(axis=1) > SLOWEST)
+    )
 
 
 def _fitted(x: np.ndarray, y: np.ndarray, window: slice) -> SlipCurve | None:

@@ -26,8 +26,14 @@ def windows(driver: Mapping[str, Any]) -> tuple[Profile, CycleModes]:
     """The cycle [m/s over s] and its windows, of the parameters of a driver; NotMeasured if it drives no cycle."""
     if "modes.begin" not in driver:
         raise NotMeasured("the driver drives no cycle with windows of traction")
-    given = {name.removeprefix("modes."): value for name, value in driver.items() if name.startswith("modes.")}
-    cycle = profile_of(*(driver[f"speed_profile.{name}"] for name in ("time", "speed", "interpolation")))
+    given = {
+        name.removeprefix("modes."): value
+        for name, value in driver.items()
+        if name.startswith("modes.")
+    }
+    cycle = profile_of(
+        *(driver[f"speed_profile.{name}"] for name in ("time", "speed", "interpolation"))
+    )
     return cycle, cycle_modes(build(CycleModesParameters, given), cycle)
 
 

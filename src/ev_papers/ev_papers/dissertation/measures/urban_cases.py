@@ -57,7 +57,14 @@ QUANTITIES: dict[str, Callable[[CircuitSums], float]] = {
 }
 
 
-def case(method: str, driver: str, seed: int, name: str = "", further: Values = (), scenario: str = SCENARIO) -> Case:
+def case(
+    method: str,
+    driver: str,
+    seed: int,
+    name: str = "",
+    further: Values = (),
+    scenario: str = SCENARIO,
+) -> Case:
     """One cycle: name of the method, driver, seed of the road, and what else differs from the scenario."""
     of = METHODS[method]
     values: Values = (

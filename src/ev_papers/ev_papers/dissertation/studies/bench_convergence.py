@@ -63,7 +63,10 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
         return case(given.driver, name, BENCH, (*ideal(), *_period(period), *further))
 
     return [
-        *(case(given.driver, f"virtual {period:g}", SCENARIO, _period(period)) for period in PERIODS),
+        *(
+            case(given.driver, f"virtual {period:g}", SCENARIO, _period(period))
+            for period in PERIODS
+        ),
         *(bench(f"ideal {period:g}", period) for period in PERIODS),
         *(
             bench(f"{name} {value:g}", EXCHANGE, ("test_bench", name, value))
@@ -94,10 +97,14 @@ def _row(results: Results, case: str, beside: str) -> tuple[float, ...]:
 
 def differences(results: Results) -> dict[tuple[str, float, str], tuple[float, ...]]:
     """By parameter, value and unit: of an ideal bench to the virtual run, of the others to the ideal bench."""
-    found = {("control_period", T, "s"): _row(results, f"ideal {T:g}", f"virtual {T:g}") for T in PERIODS}
+    found = {
+        ("control_period", T, "s"): _row(results, f"ideal {T:g}", f"virtual {T:g}") for T in PERIODS
+    }
     beside = f"ideal {EXCHANGE:g}"
     for name, unit, values in VARIED:
-        found.update({(name, value, unit): _row(results, f"{name} {value:g}", beside) for value in values})
+        found.update(
+            {(name, value, unit): _row(results, f"{name} {value:g}", beside) for value in values}
+        )
     return found
 
 

@@ -10,7 +10,14 @@ import numpy as np
 
 from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.traction_windows import in_windows
-from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, Values
+from ev_papers.dissertation.measures.urban_cases import (
+    BENCH,
+    DRIVERS,
+    FIVE,
+    METHODS,
+    SCENARIO,
+    Values,
+)
 from ev_sim.figures.panels import Curve, Panel
 from ev_sim.figures.sheets import Sheet
 from ev_sim.measures.metric import Metric, NotMeasured
@@ -21,7 +28,14 @@ from ev_study.studies.study import Case, Results
 WHEEL = "front_right"
 SAMPLING = 0.005  # s between the samples that are compared, as far as the control period divides it
 _STIFF, _NO_LIMIT = 1e7, 1e9
-_SENSORS = ("bench_torque", "bench_speed", "bench_load_speed", "bench_voltage", "bench_current", "bench_temperature")
+_SENSORS = (
+    "bench_torque",
+    "bench_speed",
+    "bench_load_speed",
+    "bench_voltage",
+    "bench_current",
+    "bench_temperature",
+)
 
 
 def _bench(**values: float) -> Values:
@@ -111,7 +125,11 @@ _ZOOM = 15.0  # s of the figure
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Which drivers."""
     parser.add_argument(
-        "--drivers", nargs="+", choices=DRIVERS, default=["imposed_speed", "pulse"], help="default: imposed_speed pulse"
+        "--drivers",
+        nargs="+",
+        choices=DRIVERS,
+        default=["imposed_speed", "pulse"],
+        help="default: imposed_speed pulse",
     )
 
 
@@ -147,7 +165,10 @@ def differences(results: Results, method: str, driver: str) -> dict[str, float]:
         "distance": 100.0 * abs(of["bench"]["distance"] / model["distance"] - 1.0),
         "exchange": apart(exact["torque"], model["torque"], counted),
         "rotor": apart(exact["transducer"], exact["torque"], counted),
-        **{cause: apart(of[cause]["transducer"], exact["transducer"], counted) for cause in (*IDEAL, "bus")},
+        **{
+            cause: apart(of[cause]["transducer"], exact["transducer"], counted)
+            for cause in (*IDEAL, "bus")
+        },
     }
 
 
@@ -156,7 +177,9 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     found: dict[str, Metric] = {}
     for driver in given.drivers:
         of = {method: differences(results, method, driver)["bench"] for method in FIVE}
-        found.update({f"difference_{method}_{driver}": Metric(value, "%") for method, value in of.items()})
+        found.update(
+            {f"difference_{method}_{driver}": Metric(value, "%") for method, value in of.items()}
+        )
         found[f"largest_difference_{driver}"] = Metric(max(of.values()), "%")
     return found
 
@@ -166,8 +189,12 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     found = []
     for driver in given.drivers:
         for method in FIVE:
-            first, distance, *rest = (f"{value:.2f}" for value in differences(results, method, driver).values())
-            found.append((driver, f"{method} {METHODS[method].title}", first, PUBLISHED, distance, *rest))
+            first, distance, *rest = (
+                f"{value:.2f}" for value in differences(results, method, driver).values()
+            )
+            found.append(
+                (driver, f"{method} {METHODS[method].title}", first, PUBLISHED, distance, *rest)
+            )
     return found
 
 
@@ -186,5 +213,7 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
                 Curve(time[: len(bench["transducer"][part])], bench["transducer"][part], "bench"),
             ]
             panels.append(Panel(f"Right torque, method {method}", "torque [N m]", curves))
-        shown[f"figure_5_26_{driver}"] = Sheet(panels, columns=1, start=float(panels[0].curves[0].time[0]))
+        shown[f"figure_5_26_{driver}"] = Sheet(
+            panels, columns=1, start=float(panels[0].curves[0].time[0])
+        )
     return shown

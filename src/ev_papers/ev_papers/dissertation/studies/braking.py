@@ -27,7 +27,11 @@ CONTROLS = {  # name -> run of the scenario, and its parameters
     "stability": ("stability", ()),
 }
 NOISE = {"wheel_speed": 0.03, "wheel_torque": 0.5, "imu_acceleration": 0.05, "imu_yaw_rate": 0.002}
-BEGIN, STANDING, ROLLING = 1.0, 0.3, 2.0  # of the pedal [s]; as good as stopped, and fast enough for a slip [m/s]
+BEGIN, STANDING, ROLLING = (
+    1.0,
+    0.3,
+    2.0,
+)  # of the pedal [s]; as good as stopped, and fast enough for a slip [m/s]
 LONGEST_STOP = 20.0  # [s]
 
 
@@ -49,7 +53,10 @@ class Situation:
             ("driver", "pedals.brake_torque", [0.0, self.torque]),
             ("plant", "road.left", list(self.left)),
             ("plant", "road.right", list(self.right or self.left)),
-            *((("plant", "road.pattern", "segments"), ("plant", "road.length", list(self.length))) * bool(self.length)),
+            *(
+                (("plant", "road.pattern", "segments"), ("plant", "road.length", list(self.length)))
+                * bool(self.length)
+            ),
         )
 
 
@@ -80,14 +87,28 @@ SUMS = ("distance_", "recovered_")
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """A part of the roads instead of all."""
-    parser.add_argument("--roads", nargs="+", choices=list(SITUATIONS), metavar="ROAD", help="these only; default: all")
+    parser.add_argument(
+        "--roads",
+        nargs="+",
+        choices=list(SITUATIONS),
+        metavar="ROAD",
+        help="these only; default: all",
+    )
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every control on every road."""
-    noise = tuple(("plant", f"sensors.{sensor}.noise", deviation) for sensor, deviation in NOISE.items())
+    noise = tuple(
+        ("plant", f"sensors.{sensor}.noise", deviation) for sensor, deviation in NOISE.items()
+    )
     return [
-        Case(f"{road}: {name}", SCENARIO, (*noise, *SITUATIONS[road].values(), *values), run, duration=LONGEST_STOP)
+        Case(
+            f"{road}: {name}",
+            SCENARIO,
+            (*noise, *SITUATIONS[road].values(), *values),
+            run,
+            duration=LONGEST_STOP,
+        )
         for road in getattr(given, "roads", None) or SITUATIONS
         for name, (run, values) in CONTROLS.items()
     ]
@@ -98,7 +119,9 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     speed, begin = motion.path_speed(recording), int(np.searchsorted(recording.time, BEGIN))
     still = np.flatnonzero(np.abs(speed[begin:]) < STANDING)
     part = slice(begin, begin + int(still[0]) + 1 if len(still) else len(speed))
-    slips = np.abs([channel(recording, f"tire_forces.slip_ratio.{name}")[part] for name in WHEEL_NAMES])
+    slips = np.abs(
+        [channel(recording, f"tire_forces.slip_ratio.{name}")[part] for name in WHEEL_NAMES]
+    )
     slips = slips[:, speed[part] > ROLLING]
     power = (channel(recording, "battery.voltage") * channel(recording, "battery.current"))[part]
     recovered = float(np.trapezoid(power, recording.time[part]))

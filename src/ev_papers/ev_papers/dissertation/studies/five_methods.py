@@ -8,7 +8,16 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ev_papers.dissertation.measures import urban_cases
-from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, SIDES, case_name, roads
+from ev_papers.dissertation.measures.urban_cases import (
+    BENCH,
+    DRIVERS,
+    FIVE,
+    METHODS,
+    SCENARIO,
+    SIDES,
+    case_name,
+    roads,
+)
 from ev_sim.figures.panels import Axes, Panel, readable
 from ev_sim.figures.sheets import Sheet
 from ev_sim.figures.strokes import HUES, PUBLISHED
@@ -22,7 +31,9 @@ _METHODS = range(1, 6)
 
 def _table(id: str, unit: float = 1.0) -> dict[int, float]:
     """By method what published.csv has of an id, in which it is written as {}, in multiples of a unit."""
-    return {method: published_value("dissertation", id.format(method)) * unit for method in _METHODS}
+    return {
+        method: published_value("dissertation", id.format(method)) * unit for method in _METHODS
+    }
 
 
 # Table 3.6. Tables 3.1 to 3.5 have right and left, and tables 5.1 to 5.5 the same numbers again, but no mean.
@@ -65,18 +76,31 @@ def savings(energy: Mapping[int, float]) -> dict[int, float]:
 
 
 def efficiency_figure(
-    points: Mapping[str, Mapping[int, Sequence[float]]], printed: Mapping[int, float], titles: Mapping[int, str]
+    points: Mapping[str, Mapping[int, Sequence[float]]],
+    printed: Mapping[int, float],
+    titles: Mapping[int, str],
 ) -> Sheet:
     """One panel for each driver: the seeds as dots, their mean and the printed value, if any, as lines, by method."""
 
     def ground(axes: Axes, by_method: Mapping[int, Sequence[float]]) -> None:
         for method, values in by_method.items():
             if values:
-                axes.plot([method] * len(values), values, ".", color=HUES[0], markersize=3, label="a seed")
+                axes.plot(
+                    [method] * len(values), values, ".", color=HUES[0], markersize=3, label="a seed"
+                )
                 mean = sum(values) / len(values)
-                axes.hlines(mean, method - 0.3, method + 0.3, color=HUES[0], linewidth=1.6, label="mean of the seeds")
+                axes.hlines(
+                    mean,
+                    method - 0.3,
+                    method + 0.3,
+                    color=HUES[0],
+                    linewidth=1.6,
+                    label="mean of the seeds",
+                )
             if method in printed:
-                axes.hlines(printed[method], method - 0.4, method + 0.4, label="printed", **PUBLISHED)
+                axes.hlines(
+                    printed[method], method - 0.4, method + 0.4, label="printed", **PUBLISHED
+                )
         axes.set_xticks(list(by_method))
         axes.set_ylim(0.4, 1.0)
         axes.grid(False, axis="x")
@@ -108,10 +132,20 @@ LEFT = 2
 SUMS = ("methods_apart_", "method_1_above_2_", "seeds_with_", "gain_")
 MEASURED = {  # quantities of `urban_cases.measure` by unit
     "1": (
-        *("wheel_efficiency_right", "wheel_efficiency_left", "wheel_efficiency", "wheel_efficiency_windows"),
+        *(
+            "wheel_efficiency_right",
+            "wheel_efficiency_left",
+            "wheel_efficiency",
+            "wheel_efficiency_windows",
+        ),
         *("wheel_speed_efficiency_right", "wheel_speed_efficiency_left", "wheel_speed_efficiency"),
         "wheel_power_efficiency",
-        *("drive_efficiency_right", "drive_efficiency_left", "drive_efficiency", "total_efficiency"),
+        *(
+            "drive_efficiency_right",
+            "drive_efficiency_left",
+            "drive_efficiency",
+            "total_efficiency",
+        ),
     ),
     "J": ("energy", "energy_windows", "energy_as_printed"),
 }
@@ -119,10 +153,22 @@ MEASURED = {  # quantities of `urban_cases.measure` by unit
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """How many roads, and which drivers."""
-    parser.add_argument("--bench", action="store_true", help="with both motors on the test bench: tables 5.1 to 5.6")
-    parser.add_argument("--seeds", type=int, default=10, metavar="N", help="roads, with the seeds 1 to N; default 10")
     parser.add_argument(
-        "--drivers", nargs="+", choices=DRIVERS, default=list(DRIVERS), help="default: all of them, one after the other"
+        "--bench", action="store_true", help="with both motors on the test bench: tables 5.1 to 5.6"
+    )
+    parser.add_argument(
+        "--seeds",
+        type=int,
+        default=10,
+        metavar="N",
+        help="roads, with the seeds 1 to N; default 10",
+    )
+    parser.add_argument(
+        "--drivers",
+        nargs="+",
+        choices=DRIVERS,
+        default=list(DRIVERS),
+        help="default: all of them, one after the other",
     )
 
 
@@ -151,13 +197,17 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
             values = values_of(given, results, method, driver)
             for unit, names in MEASURED.items():
                 for name in names:
-                    found[f"{name}_{method}_{driver}"] = _mean([value[name] for value in values], unit)
+                    found[f"{name}_{method}_{driver}"] = _mean(
+                        [value[name] for value in values], unit
+                    )
         found.update(_orders(given, results, driver))
         found.update(_gains(found, driver))
     return found
 
 
-def values_of(given: argparse.Namespace, results: Results, method: str, driver: str) -> list[Mapping[str, Any]]:
+def values_of(
+    given: argparse.Namespace, results: Results, method: str, driver: str
+) -> list[Mapping[str, Any]]:
     """What was measured with the seeds in their order, without the cases that gave nothing or were not driven."""
     names = (case_name(method, driver, seed) for seed in roads(given))
     return [results[name].measured for name in names if name in results and results[name].measured]
@@ -177,7 +227,9 @@ def _mean(values: Sequence[float], unit: str) -> Metric:
 def _orders(given: argparse.Namespace, results: Results, driver: str) -> dict[str, Metric]:
     """Spread over the methods, in how many seeds 1 > 3 >= 4 > 2 and 1 > 2 hold, and how far 1 lies above 2."""
     key = judged_quantity(driver)
-    columns = [[value[key] for value in values_of(given, results, method, driver)] for method in FIVE]
+    columns = [
+        [value[key] for value in values_of(given, results, method, driver)] for method in FIVE
+    ]
     if len({len(column) for column in columns}) > 1 or not columns[0]:
         return {}
     rows = list(zip(*columns, strict=True))
@@ -185,8 +237,12 @@ def _orders(given: argparse.Namespace, results: Results, driver: str) -> dict[st
     return {
         f"methods_apart_{driver}": _mean([max(row) - min(row) for row in rows], "1"),
         f"method_1_above_2_{driver}": _mean([row[0] - row[1] for row in rows], "1"),
-        f"seeds_with_1_above_2_{driver}": Metric(sum(row[0] > row[1] for row in rows), f"of {count}"),
-        f"seeds_with_1_3_4_2_{driver}": Metric(sum(row[0] > row[2] >= row[3] > row[1] for row in rows), f"of {count}"),
+        f"seeds_with_1_above_2_{driver}": Metric(
+            sum(row[0] > row[1] for row in rows), f"of {count}"
+        ),
+        f"seeds_with_1_3_4_2_{driver}": Metric(
+            sum(row[0] > row[2] >= row[3] > row[1] for row in rows), f"of {count}"
+        ),
     }
 
 
@@ -199,8 +255,12 @@ def _gains(found: Mapping[str, Metric], driver: str) -> dict[str, Metric]:
         if any(not value for value in by_method.values()):
             continue
         for denominator, values in gains(by_method)._asdict().items():
-            shown[f"gain_{equation}_{denominator}_smallest_{driver}"] = Metric(min(values.values()), "%")
-            shown[f"gain_{equation}_{denominator}_largest_{driver}"] = Metric(max(values.values()), "%")
+            shown[f"gain_{equation}_{denominator}_smallest_{driver}"] = Metric(
+                min(values.values()), "%"
+            )
+            shown[f"gain_{equation}_{denominator}_largest_{driver}"] = Metric(
+                max(values.values()), "%"
+            )
     return shown
 
 
@@ -254,7 +314,10 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """Wheel efficiency of the methods, mean and single seeds, beside the printed one, for each driver."""
     points = {
         driver: {
-            int(method): [value[judged_quantity(driver)] for value in values_of(given, results, method, driver)]
+            int(method): [
+                value[judged_quantity(driver)]
+                for value in values_of(given, results, method, driver)
+            ]
             for method in FIVE
         }
         for driver in given.drivers

@@ -12,8 +12,18 @@ from typing import Any
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_papers.dissertation.figures.urban_mixed import detail, electrical, panels, slip_curve_figure, wheel_efficiency
-from ev_papers.dissertation.figures.urban_sheets import cycle_figure, left_and_right, motors_and_cells
+from ev_papers.dissertation.figures.urban_mixed import (
+    detail,
+    electrical,
+    panels,
+    slip_curve_figure,
+    wheel_efficiency,
+)
+from ev_papers.dissertation.figures.urban_sheets import (
+    cycle_figure,
+    left_and_right,
+    motors_and_cells,
+)
 from ev_papers.dissertation.measures import circuits
 from ev_papers.dissertation.measures import traction_windows as cycle
 from ev_papers.dissertation.measures.circuits import CircuitSums
@@ -21,7 +31,16 @@ from ev_papers.dissertation.measures.motors_and_cells import electrical_metrics,
 from ev_sim.figures.sheets import Sheet
 from ev_sim.measures import motion
 from ev_sim.measures.handling import share_of
-from ev_sim.measures.metric import HIGHER, LOWER, Metric, NotMeasured, Parameters, Runs, channel, metric
+from ev_sim.measures.metric import (
+    HIGHER,
+    LOWER,
+    Metric,
+    NotMeasured,
+    Parameters,
+    Runs,
+    channel,
+    metric,
+)
 from ev_sim.measures.registry import METRICS, DrivenRun
 from ev_sim.recording.recording import Recording
 
@@ -70,13 +89,17 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
         counted = windows() if whole else pressed()
         return {wheel: of.sums(counted) for wheel, of in shares().items()}
 
-    def of_circuits(quantity: Callable[[CircuitSums], float], side: str = "", whole: bool = False) -> list[float]:
+    def of_circuits(
+        quantity: Callable[[CircuitSums], float], side: str = "", whole: bool = False
+    ) -> list[float]:
         values = [quantity(circuit) for name, circuit in sums(whole).items() if name.endswith(side)]
         if not values:
             raise NotMeasured(f"no wheel is driven on the {side}" if side else "no wheel is driven")
         return values
 
-    def rows(name: str, quantity: Callable[[CircuitSums], float], whole: bool = False) -> dict[str, Metric]:
+    def rows(
+        name: str, quantity: Callable[[CircuitSums], float], whole: bool = False
+    ) -> dict[str, Metric]:
         """Right, left and mean, as the tables of the source have them."""
 
         def mean(side: str) -> float:
@@ -84,8 +107,13 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
             return sum(values) / len(values)
 
         ending = {side: f"_{side}" for side in _SIDES} | {"": ""}
-        formula = f"{name.removesuffix('_windows').replace('_', ' ')} of its circuits {_WHEN[whole]}"
-        return {name + end: metric(lambda side=side: mean(side), "1", formula, HIGHER) for side, end in ending.items()}
+        formula = (
+            f"{name.removesuffix('_windows').replace('_', ' ')} of its circuits {_WHEN[whole]}"
+        )
+        return {
+            name + end: metric(lambda side=side: mean(side), "1", formula, HIGHER)
+            for side, end in ending.items()
+        }
 
     def energy(whole: bool = False) -> float:
         return sum(of_circuits(lambda circuit: circuit.electrical_work, whole=whole))
@@ -104,7 +132,9 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
         **rows("drive_efficiency_windows", lambda circuit: circuit.drive_efficiency, whole=True),
         "energy": metric(energy, "J", f"electrical work of the circuits {_WHEN[False]}", LOWER),
         "energy_windows": metric(lambda: energy(whole=True), "J", f"the same {_WHEN[True]}"),
-        "energy_as_printed": metric(energy_as_printed, "J", "the same by the equation as it is printed"),
+        "energy_as_printed": metric(
+            energy_as_printed, "J", "the same by the equation as it is printed"
+        ),
         "energy_as_printed_in_kwh": metric(
             lambda: energy_as_printed() / _KILOWATT_HOUR, "kW h", "the same in another unit"
         ),
@@ -118,10 +148,16 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
         "traction_time": metric(lambda: _time_in(run, pressed()), "s", "time under traction"),
         "window_time": metric(lambda: _time_in(run, windows()), "s", "time in the windows"),
         "traction_peak_slip": metric(
-            lambda: _peak_slip(run, vehicle, driver), "1", "max slip of a driven wheel under traction", LOWER
+            lambda: _peak_slip(run, vehicle, driver),
+            "1",
+            "max slip of a driven wheel under traction",
+            LOWER,
         ),
         "mean_speed_error": metric(
-            lambda: np.abs(_speed_error(run, driver)).mean(), "m/s", "mean |V - speed of the cycle|", LOWER
+            lambda: np.abs(_speed_error(run, driver)).mean(),
+            "m/s",
+            "mean |V - speed of the cycle|",
+            LOWER,
         ),
         **{
             f"share_of_snow_{side}": metric(
@@ -142,7 +178,10 @@ def _peak_slip(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> f
     counts = cycle.traction(run, driver) & (motion.path_speed(run) > ROLLING)
     if not counts.any():
         raise NotMeasured("the car is not driven while it rolls")
-    return max(channel(run, f"tire_forces.slip_ratio.{wheel}")[counts].max() for wheel in vehicle.driven_wheels)
+    return max(
+        channel(run, f"tire_forces.slip_ratio.{wheel}")[counts].max()
+        for wheel in vehicle.driven_wheels
+    )
 
 
 def _speed_error(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:

@@ -15,7 +15,10 @@ from ev_sim.recording.recording import Recording
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
     """Those of the cycle with eq 2.38 from measured values, and the accounts of the bench."""
-    return {**report.metrics(runs, vehicle, parameters), **motion.of_each_run(runs, lambda run: _metrics(run, vehicle))}
+    return {
+        **report.metrics(runs, vehicle, parameters),
+        **motion.of_each_run(runs, lambda run: _metrics(run, vehicle)),
+    }
 
 
 def _metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
@@ -27,7 +30,9 @@ def _metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
             )
             for name in names
         },
-        "bench_imbalance": metric(lambda: motors_and_cells.imbalance(run), "1", "what the accounts do not close by"),
+        "bench_imbalance": metric(
+            lambda: motors_and_cells.imbalance(run), "1", "what the accounts do not close by"
+        ),
         **bus_metrics(run, vehicle),
     }
 
@@ -36,4 +41,7 @@ def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, S
     """Those of the cycle; torques, speeds, temperatures and energies of the bench."""
     run = next(iter(runs.values()))
     driver = parameters.get("driver", {})
-    return {**report.figures(runs, vehicle, parameters), "bench": bench_channels(run, vehicle, driver)}
+    return {
+        **report.figures(runs, vehicle, parameters),
+        "bench": bench_channels(run, vehicle, driver),
+    }

@@ -54,7 +54,10 @@ def _segments(shortest: float, longest: float) -> Values:
 
 _LAW = "electronic_differential"
 _LIMIT = (_LAW, "limit", True)
-_NOISE = (("plant", "sensors.wheel_speed.noise", 0.03), ("plant", "sensors.wheel_torque.noise", 0.5))  # rad/s, N m
+_NOISE = (
+    ("plant", "sensors.wheel_speed.noise", 0.03),
+    ("plant", "sensors.wheel_torque.noise", 0.5),
+)  # rad/s, N m
 
 _ONE_BLOCK = (
     ("*", "vehicle.battery.open_circuit_voltage", [329.6, 329.6]),
@@ -63,8 +66,18 @@ _ONE_BLOCK = (
 
 CHANGES = (
     Change("base", "as in five_methods"),
-    Change("full", "eq 2.37 in full, with rolling resistance in M_f", quantity="wheel_efficiency", like="base"),
-    Change("powers", "eq 2.37 in full, with summed powers", quantity="wheel_power_efficiency", like="base"),
+    Change(
+        "full",
+        "eq 2.37 in full, with rolling resistance in M_f",
+        quantity="wheel_efficiency",
+        like="base",
+    ),
+    Change(
+        "powers",
+        "eq 2.37 in full, with summed powers",
+        quantity="wheel_power_efficiency",
+        like="base",
+    ),
     Change("pulse", "driver pulse, eq 2.37 in full", driver="pulse", quantity="wheel_efficiency"),
     Change(
         "pulse_windows",
@@ -73,44 +86,78 @@ CHANGES = (
         quantity="wheel_efficiency_windows",
         like="pulse",
     ),
-    Change("pulse_speeds", "driver pulse, ratio of speeds alone", quantity="wheel_speed_efficiency", like="pulse"),
+    Change(
+        "pulse_speeds",
+        "driver pulse, ratio of speeds alone",
+        quantity="wheel_speed_efficiency",
+        like="pulse",
+    ),
     Change("k_lower", "k = 1.06 instead of 1.11", (("driver", "level.factor", 1.06),)),
     Change("k_higher", "k = 1.16", (("driver", "level.factor", 1.16),)),
     Change(
         "no_rolling",
         "surfaces without rolling resistance, the limit too",
-        (("plant", "road.rolling_resistance_scale", 0.0), ("driver", "level.rolling_resistance", 0.012)),
+        (
+            ("plant", "road.rolling_resistance_scale", 0.0),
+            ("driver", "level.rolling_resistance", 0.012),
+        ),
     ),
     Change(
-        "rolling_low", "rolling resistance 0.79, lower end of snow", (("plant", "road.rolling_resistance_scale", 0.79),)
+        "rolling_low",
+        "rolling resistance 0.79, lower end of snow",
+        (("plant", "road.rolling_resistance_scale", 0.79),),
     ),
-    Change("rolling_high", "rolling resistance 1.21, upper end", (("plant", "road.rolling_resistance_scale", 1.21),)),
+    Change(
+        "rolling_high",
+        "rolling resistance 1.21, upper end",
+        (("plant", "road.rolling_resistance_scale", 1.21),),
+    ),
     Change("surfaces_2", "wet asphalt 2, packed snow 2", _surfaces(2)),
     Change("short_segments", "segments of 2 to 20 m", _segments(2.0, 20.0)),
     Change("long_segments", "segments of 20 to 200 m", _segments(20.0, 200.0)),
     Change("half_step", "plant steps of 0.5 ms", (("plant", "step", 0.5e-3),)),
     Change("control_10_ms", "control period of 10 ms", (("*", "control_period", 0.01),)),
     Change("noise", "wheel speeds 0.03 rad/s, torques 0.5 N m of noise", _NOISE),
-    Change("speed_resistance", "k_f added to f_0, V in m/s", (("*", "vehicle.rolling_resistance_reading", "added"),)),
+    Change(
+        "speed_resistance",
+        "k_f added to f_0, V in m/s",
+        (("*", "vehicle.rolling_resistance_reading", "added"),),
+    ),
     Change("one_block", "one block of the battery, 330 V", _ONE_BLOCK),
     Change("peak_use", "ASR at the fitted peak itself", (("asr", "use", 1.0),), ("1", "1b")),
     Change("limit", "no wheel gets more than its grip", (_LIMIT,), ("5",)),
-    Change("friction_125", "the same, friction 25 % too high", (_LIMIT, (_LAW, "error_factor", 1.25)), ("5",)),
-    Change("friction_150", "the same, friction 50 % too high", (_LIMIT, (_LAW, "error_factor", 1.5)), ("5",)),
+    Change(
+        "friction_125",
+        "the same, friction 25 % too high",
+        (_LIMIT, (_LAW, "error_factor", 1.25)),
+        ("5",),
+    ),
+    Change(
+        "friction_150",
+        "the same, friction 50 % too high",
+        (_LIMIT, (_LAW, "error_factor", 1.5)),
+        ("5",),
+    ),
     Change("estimated", "friction estimated", ((_LAW, "friction", "estimated"),), ("5",)),
 )
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """How many roads, and which driver."""
-    parser.add_argument("--seeds", type=int, default=2, metavar="N", help="roads, with the seeds 1 to N; default 2")
-    parser.add_argument("--driver", choices=DRIVERS, default="imposed_speed", help="default: imposed_speed")
+    parser.add_argument(
+        "--seeds", type=int, default=2, metavar="N", help="roads, with the seeds 1 to N; default 2"
+    )
+    parser.add_argument(
+        "--driver", choices=DRIVERS, default="imposed_speed", help="default: imposed_speed"
+    )
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every method that a change concerns, on every road."""
     return [
-        urban_cases.case(method, change.driver or given.driver, seed, _name(change, method, seed), change.values)
+        urban_cases.case(
+            method, change.driver or given.driver, seed, _name(change, method, seed), change.values
+        )
         for change in CHANGES
         for method in change.methods
         for seed in roads(given)
@@ -131,10 +178,16 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     for change in CHANGES:
         for method in change.methods:
             measured = [results[_name(change, method, seed)].measured for seed in roads(given)]
-            values = [value[change.quantity or judged_quantity(given.driver)] for value in measured if value]
+            values = [
+                value[change.quantity or judged_quantity(given.driver)]
+                for value in measured
+                if value
+            ]
             name = f"wheel_efficiency_{method}_{change.name}"
             found[name] = (
-                mean_over_seeds(values, "1") if values else Metric(None, "1", reason="no case came to traction")
+                mean_over_seeds(values, "1")
+                if values
+                else Metric(None, "1", reason="no case came to traction")
             )
     return found
 
