@@ -36,7 +36,7 @@ from ev_sim.recording.recording import Recording
 from ev_study.verdicts.check import Check
 from ev_study.verdicts.measure import Template, measures_of
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
-from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn
+from ev_study.verdicts.panels_page import PublishedPanel, scheme
 from ev_study.verdicts.sources import Published, published
 from ev_study.verdicts.verdict import metrics_at_hand
 
@@ -315,11 +315,7 @@ def _panel(figure: str, letter: str) -> PublishedPanel:
 
 
 PANELS = (
-    cannot_be_drawn(
-        "1", "", "Schemes", "a scheme of the model, no quantity over another one", "ge.fig1"
-    ),
-    cannot_be_drawn(
-        "2", "", "Schemes", "a scheme of the law, no quantity over another one", "ge.fig2"
-    ),
+    scheme("1", "the model", "ge.fig1"),
+    scheme("2", "the law", "ge.fig2"),
     *(_panel(figure, letter) for letter in _TITLES for figure in _RUNS),
 )

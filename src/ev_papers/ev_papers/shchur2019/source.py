@@ -21,7 +21,7 @@ from ev_sim.measures.metric import Metric, Parameters, Runs, channel, run_named
 from ev_sim.recording.recording import Recording
 from ev_study.verdicts.measure import measures_of
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
-from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time
+from ev_study.verdicts.panels_page import PublishedPanel, over_time, scheme
 from ev_study.verdicts.verdict import metrics_at_hand
 
 ORDER = 0  # among the sources, in tables
@@ -144,12 +144,8 @@ _STEPS_OF_A = ("1.steady", "1.overshoot", "1.settling", "2.steady", "2.overshoot
 PANELS = (
     _of_steps("a", *_STEPS_OF_A, "damped"),
     _of_steps("b", "start", "minimum", "end"),
-    cannot_be_drawn(
-        "2", "", "Schemes", "a scheme of the turn, no quantity over another one", "shchur.fig2"
-    ),
-    cannot_be_drawn(
-        "3", "", "Schemes", "a scheme of the control, no quantity over another one", "shchur.fig3"
-    ),
+    scheme("2", "the turn", "shchur.fig2"),
+    scheme("3", "the control", "shchur.fig3"),
     _of_cycle("V", "V1", "V2"),
     _of_cycle("M", "M.plateau", "M.acceleration"),
     _of_cycle("delta", "delta.left", "delta.right"),

@@ -41,7 +41,7 @@ from ev_sim.measures.metric import (
 from ev_sim.recording.recording import Recording
 from ev_study.verdicts.measure import measures_of
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
-from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time
+from ev_study.verdicts.panels_page import PublishedPanel, over_time, scheme
 from ev_study.verdicts.verdict import metrics_at_hand
 
 ORDER = 2  # among the sources, in tables
@@ -200,16 +200,8 @@ def _row(title: str, numbers: range) -> tuple[PublishedPanel, ...]:
 
 
 PANELS = (
-    cannot_be_drawn(
-        "1", "", "Schemes", "a scheme of the forces, no quantity over another one", "tatar.fig1"
-    ),
-    cannot_be_drawn(
-        "2",
-        "",
-        "Schemes",
-        "a scheme of inputs and outputs, no quantity over another one",
-        "tatar.fig2",
-    ),
+    scheme("1", "the forces", "tatar.fig1"),
+    scheme("2", "inputs and outputs", "tatar.fig2"),
     *_row("Forces along y of the car, equal torques", range(3, 12, 3)),
     *_row("Forces along x of the car, equal torques", range(4, 12, 3)),
     *_row("Wheel speeds, equal torques", range(5, 12, 3)),

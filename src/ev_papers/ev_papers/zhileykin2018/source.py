@@ -32,7 +32,7 @@ from ev_sim.measures.registry import METRICS
 from ev_sim.recording.recording import Recording
 from ev_study.verdicts.measure import measures_of
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
-from ev_study.verdicts.panels_page import PublishedPanel, cannot_be_drawn
+from ev_study.verdicts.panels_page import PublishedPanel, scheme
 from ev_study.verdicts.panels_page import over_time as drawn_over_time
 from ev_study.verdicts.verdict import metrics_at_hand
 
@@ -124,12 +124,8 @@ def _share(letter: str, most: float) -> PublishedPanel:
 
 
 PANELS = (
-    cannot_be_drawn(
-        "1", "", "Schemes", "a scheme of the forces, no quantity over another one", "zhil.fig1"
-    ),
-    cannot_be_drawn(
-        "2", "", "Schemes", "a scheme of the driveline, no quantity over another one", "zhil.fig2"
-    ),
+    scheme("1", "the forces", "zhil.fig1"),
+    scheme("2", "the driveline", "zhil.fig2"),
     _paths("3", "Path of the rear-driven car on ice", REAR_DRIVE),
     _paths("4", "Path of the 4x4 on ice", *BY_LAW),  # by each reading: the source names none
     _share("a", 0.5),

@@ -66,6 +66,11 @@ def cannot_be_drawn(figure: str, letter: str, row: str, why: str, *ids: str) -> 
     return PublishedPanel(figure, letter, row, ids, why_not=why)
 
 
+def scheme(figure: str, of: str, id: str) -> PublishedPanel:
+    """A figure that is a scheme of something, in the row of all schemes."""
+    return cannot_be_drawn(figure, "", "Schemes", f"a scheme of {of}, no quantity over another one", id)
+
+
 INDEX = "index.html"
 
 
