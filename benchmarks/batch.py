@@ -31,9 +31,9 @@ from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
-from ev_sim.batches.batch import batch
-from ev_sim.batches.observer import largest_magnitude, root_mean_square
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.batches.batch import batch
+from ev_stack.batches.observer import largest_magnitude, root_mean_square
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 DURATION = 10.0  # [s]
 FUSED_STEPS, FUSED_SECONDS = 3000, 1.0

@@ -19,18 +19,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from ev_control.inverter_gateway.gateway import GatewayParameters
-from ev_control.inverter_gateway.panel import diagnosis
-from ev_control.inverter_gateway.station import GatewayStation
-from ev_core.bus.parameters import load_database
+from ev_bench.bus.parameters import load_database
+from ev_bench.inverter.circuit_station import CircuitStation
+from ev_bench.inverter.device import CircuitParameters, Injected, Inverter
+from ev_bench.inverter_gateway.gateway import GatewayParameters
+from ev_bench.inverter_gateway.panel import diagnosis
+from ev_bench.inverter_gateway.station import GatewayStation
 from ev_core.parameters.record import fill, numbers
 from ev_core.parameters.values import build
 from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
 from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import DRIVES, TORQUE_MODE
-from ev_sim.inverter.circuit_station import CircuitStation
-from ev_sim.inverter.device import CircuitParameters, Injected, Inverter
 
 CYCLE = 1  # ms
 TIMEOUT = 10  # ms, of set-points and of feedback

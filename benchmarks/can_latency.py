@@ -24,10 +24,10 @@ from typing import Any, NamedTuple
 
 import can
 
-from ev_core.bus.channel import Channel
-from ev_core.bus.checking import INITIAL, TOLERANCES, CheckState, check, is_valid
-from ev_core.bus.opening import open_channel
-from ev_core.bus.parameters import load_database
+from ev_bench.bus.channel import Channel
+from ev_bench.bus.checking import INITIAL, TOLERANCES, CheckState, check, is_valid
+from ev_bench.bus.opening import open_channel
+from ev_bench.bus.parameters import load_database
 from ev_msgs_py.can.database import FrameLayout
 from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.payload import next_counter

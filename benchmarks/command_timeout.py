@@ -19,14 +19,14 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from ev_core.nodes.signal_io import QUALITY
-from ev_core.nodes.spinning import spin
-from ev_core.run_role import make_node
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.wire import format_of
-from ev_sim.running.domain import free_domain
+from ev_nodes.run_role import make_node
+from ev_nodes.stepping.signal_io import QUALITY
+from ev_nodes.stepping.spinning import spin
+from ev_stack.running.domain import free_domain
 
 TIMEOUT, PERIOD = 0.1, 0.01  # s, the defaults
 _LONG = 10.0  # s that nothing here may take

@@ -42,10 +42,11 @@ def main() -> None:
 
 async def measured(scenario: str, factor: str, seconds: float) -> tuple[float, float, float]:
     """Share of a core, rows per second of a page, and simulated over wall time."""
+    program = Path(os.environ["EV_STACK_ROOT"]) / "install/ev_stack/lib/ev_stack/ev-stack"
     with tempfile.TemporaryDirectory() as folder, (Path(folder) / "log").open("wb") as log:
         dashboard = subprocess.Popen(
             [
-                *(Path(os.environ["EV_STACK_ROOT"]) / "install/ev_sim/lib/ev_sim/ev-stack", "dashboard", "--port", "0"),
+                *(program, "dashboard", "--port", "0"),
                 *(scenario, "--no-record", "--no-report", "--out", f"{folder}/run", "--duration", "1000"),
                 *("--set", f"plant.real_time_factor={factor}"),
             ],

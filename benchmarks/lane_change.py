@@ -14,13 +14,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ev_sim.batches.batch import batch
 from ev_sim.driver.off_path import distances_from
 from ev_sim.driver.path import Path as Line
 from ev_sim.driver.path import path_of
-from ev_sim.measures.course import hit_cones
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.batches.batch import batch
+from ev_stack.measures.course import hit_cones
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 CARS = sorted(path.stem for path in Path(__file__).parents[1].glob("config/vehicles/*.yaml"))
 PURSUITS = (0.3, 0.4, 0.6)  # [s]

@@ -26,15 +26,15 @@ import rclpy
 import relays
 from relays import SCENARIO, WARM_UP, Links, Relay, pattern_links, ring_links
 
-from ev_core.nodes.spinning import spin
-from ev_core.run_role import make_node
-from ev_sim.recording.offline import run_offline
-from ev_sim.running.children import same_addresses
-from ev_sim.running.domain import free_domain
-from ev_sim.running.node_process import command
-from ev_sim.running.offline import RECORDER, node_parameters, write_parameter_file
-from ev_sim.running.processes import parameter_overrides
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_nodes.run_role import make_node
+from ev_nodes.stepping.spinning import spin
+from ev_stack.recording.offline import run_offline
+from ev_stack.running.children import same_addresses
+from ev_stack.running.domain import free_domain
+from ev_stack.running.node_process import command
+from ev_stack.running.offline import RECORDER, node_parameters, write_parameter_file
+from ev_stack.running.processes import parameter_overrides
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 STEPS_PER_SECOND = re.compile(r"([\d.]+) steps/s")
 

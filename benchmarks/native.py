@@ -21,7 +21,7 @@ from ev_doors.export.content import Content
 from ev_doors.export.library import Library
 from ev_doors.export.targets import OPTIONS, TARGETS
 from ev_msgs_py.contract import stamps
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 
 SCENARIOS = ("shchur2019", "double_lane_change")
 _DRIVE = """#include "evs_model.h"

@@ -21,7 +21,6 @@ from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
 from ev_core.lockstep.stepper import arrival_place
-from ev_core.nodes.signal_io import QUALITY
 from ev_msgs_py.contract.roles import INTEGRATED, ROLES, RoleKind
 from ev_msgs_py.contract.signals import (
     BodyVelocity,
@@ -31,7 +30,8 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.wire import format_of
-from ev_sim.scenarios.scenario import load_scenario
+from ev_nodes.stepping.signal_io import QUALITY
+from ev_stack.scenarios.scenario import load_scenario
 
 SCENARIO = "shchur2019"
 CHAIN = (BodyVelocity, DriverCommand, WheelTorqueRequest, WheelTorqueCommand, SteeringColumnState)

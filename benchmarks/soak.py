@@ -27,11 +27,11 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
-from ev_core.nodes.spinning import spin
 from ev_msgs_py.contract import stamps
-from ev_sim.running.children import same_addresses
-from ev_sim.running.domain import free_domain
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_nodes.stepping.spinning import spin
+from ev_stack.running.children import same_addresses
+from ev_stack.running.domain import free_domain
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 
 PERIOD = 0.1  # s; ten million steps pass a million seconds
 LOOKS = 20

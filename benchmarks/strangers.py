@@ -22,16 +22,16 @@ import rclpy
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
-from ev_core.nodes.signal_io import QUALITY
-from ev_core.nodes.stop_request import StopRequest
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.wire import format_of, stamp_of
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import signal_hash
-from ev_sim.running.domain import free_domain
-from ev_sim.running.processes import run_in_processes
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_nodes.stepping.signal_io import QUALITY
+from ev_nodes.stepping.stop_request import StopRequest
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import signal_hash
+from ev_stack.running.domain import free_domain
+from ev_stack.running.processes import run_in_processes
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 
 SCENARIO = "shchur2019"
 OTHER = 7.0  # a finite number that the run does not give

@@ -18,9 +18,9 @@ from unittest import mock
 
 import numpy as np
 
-from ev_sim.running import node_reports
-from ev_sim.running.processes import run_in_process, run_in_processes
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.running import node_reports
+from ev_stack.running.processes import run_in_process, run_in_processes
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 
 
 def rate(run: Run, sums: bool, in_process: bool) -> float:

@@ -30,8 +30,8 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_papers.dissertation.measures.urban_cases import FIVE, METHODS, SCENARIO, case
-from ev_sim.recording.offline import load_compiled
-from ev_sim.scenarios.scenario import Run, load_scenario
+from ev_stack.recording.offline import load_compiled
+from ev_stack.scenarios.scenario import Run, load_scenario
 from ev_study.studies.asr_shootout import controls, values_of
 from ev_study.studies.study import Case, run_of
 

@@ -15,28 +15,29 @@ from pkgutil import iter_modules
 IMPORTED = (
     "matplotlib.backends.backend_agg",
     "matplotlib.figure",
-    "ev_sim.commands.drive_scenario",
-    "ev_sim.commands.run_scenario",
-    "ev_sim.recording.run_recorder",
-    "ev_sim.report.page.writing",
-    "ev_sim.running.processes",
+    "ev_stack.commands.drive_scenario",
+    "ev_stack.commands.run_scenario",
+    "ev_stack.recording.run_recorder",
+    "ev_stack.report.page.writing",
+    "ev_stack.running.processes",
     "ev_study.studies.run_study",
 )
 
 
 def compile_code(words: Sequence[str]) -> None:
     """Compile for a run; for words that are none, which the run refuses, what steps nodes."""
+    import ev_bench.methods
     import ev_control.methods
     import ev_sim.methods
     from ev_core.parameters.data_file import VARIABLE
     from ev_msgs_py.contract.fields import SignalError
     from ev_msgs_py.refusal import ParameterError
-    from ev_sim.command_line.options import arguments, overrides, own_nodes
-    from ev_sim.running.beforehand import compile_for, compile_units, stepping
-    from ev_sim.scenarios.scenario import load_scenario
+    from ev_stack.command_line.options import arguments, overrides, own_nodes
+    from ev_stack.running.beforehand import compile_for, compile_units, stepping
+    from ev_stack.scenarios.scenario import load_scenario
 
     os.environ.setdefault(VARIABLE, str(Path(__file__).resolve().parents[1] / "config"))
-    for package in (ev_control.methods, ev_sim.methods):
+    for package in (ev_control.methods, ev_sim.methods, ev_bench.methods):
         for module in iter_modules(package.__path__, f"{package.__name__}."):
             import_module(module.name)
     try:

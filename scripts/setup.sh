@@ -31,7 +31,7 @@ fi
 if [[ ":$PATH:" != *":$EV_STACK_ROOT/.venv/bin:"* ]]; then
     PATH="$EV_STACK_ROOT/.venv/bin:$PATH"
 fi
-if [[ ":${AMENT_PREFIX_PATH:-}:" != *":$EV_STACK_ROOT/install/ev_sim:"* ]]; then
+if [[ ":${AMENT_PREFIX_PATH:-}:" != *":$EV_STACK_ROOT/install/ev_stack:"* ]]; then
     # shellcheck disable=SC1091
     source "$EV_STACK_ROOT/install/environment.bash"
 fi

@@ -33,7 +33,7 @@ from ev_sim.plant.planar.contact import find_road
 from ev_sim.plant.planar.planar_state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, Step, index
 from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import Lags, prepare
-from ev_sim.recording.recording import Recording
+from ev_stack.recording.recording import Recording
 
 SIZE = index("drives.front_left.torque")  # what comes before is advanced by differential equations
 X, Y = index("x"), index("y")

@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 from traction import PERIOD
 
-from ev_sim.recording.offline import run_offline
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 SURFACE_NAMES = ("ice", "packed_snow_1", "wet_asphalt_1", "dry_asphalt")
 HELD_SURFACES = ("packed_snow_1", "wet_asphalt_1")  # a slip of 0.1 can be held there, and matters

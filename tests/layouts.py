@@ -8,7 +8,7 @@ import pytest
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from ev_sim.figures.sheets import TALLEST
+from ev_stack.figures.sheets import TALLEST
 
 TOUCH = 0.5  # pixels by which boxes of texts may overlap: their edges are rounded to whole ones
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.measures.metric import Metric, Reference, within
-from ev_sim.recording.recording import PAGE, Recording
-from ev_sim.report.page.writing import Image, Page, Signals, write_page
-from ev_sim.report.summary import Difference, Summary
+from ev_stack.measures.metric import Metric, Reference, within
+from ev_stack.recording.recording import PAGE, Recording
+from ev_stack.report.page.writing import Image, Page, Signals, write_page
+from ev_stack.report.summary import Difference, Summary
 
 CAR = Vehicle()
 DURATION, PERIOD, RADIUS = 10.0, 0.01, 20.0

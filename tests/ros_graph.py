@@ -21,23 +21,23 @@ from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
 from ev_core.lockstep.stepper import WRITERS
-from ev_core.nodes.reports import HEALTH
-from ev_core.nodes.runner_line import TIME_SERVICE
-from ev_core.nodes.signal_io import QUALITY
-from ev_core.nodes.spinning import spin
-from ev_core.run_role import make_node
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.stamps import from_seconds, to_seconds
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire import format_of, message_class
-from ev_sim.nodes.recorder import RecorderNode
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import PARAMETERS, load, signal_hash
-from ev_sim.running.domain import free_domain
-from ev_sim.running.offline import RECORDER, node_parameters, write_parameter_file
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_nodes.run_role import make_node
+from ev_nodes.stepping.reports import HEALTH
+from ev_nodes.stepping.runner_line import TIME_SERVICE
+from ev_nodes.stepping.signal_io import QUALITY
+from ev_nodes.stepping.spinning import spin
+from ev_stack.recorder_node import RecorderNode
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import PARAMETERS, load, signal_hash
+from ev_stack.running.domain import free_domain
+from ev_stack.running.offline import RECORDER, node_parameters, write_parameter_file
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 
 NAMESPACE = "/ev"
 NODES = (*REQUIRED, RECORDER)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ev_core.lockstep.configuration import Configuration
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.scenarios.scenario import load_scenario
 
 
 def configurations_in(scenario: str, role: str) -> list[Configuration]:

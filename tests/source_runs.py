@@ -9,8 +9,8 @@ import numpy as np
 
 from documentation.results import Driven, drive
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures.metric import Metric
-from ev_sim.recording.recording import Recording
+from ev_stack.measures.metric import Metric
+from ev_stack.recording.recording import Recording
 
 # Channels that change their sign when left and right change places; all others keep it.
 ODD = (

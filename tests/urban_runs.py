@@ -8,9 +8,9 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.dissertation.measures import traction_windows as cycle
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Overrides, Scenario, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Overrides, Scenario, load_scenario
 
 DURATION = 95.0  # s: stands, drives, slows down, stands, drives
 

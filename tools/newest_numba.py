@@ -62,9 +62,9 @@ def work() -> None:
     global LIMIT
     import numba
 
-    import ev_sim
+    import ev_stack
 
-    found = {"numba": numba.__version__, "hash": ev_sim.run(SCENARIO, duration=DURATION).hash}
+    found = {"numba": numba.__version__, "hash": ev_stack.run(SCENARIO, duration=DURATION).hash}
     found["memory"] = compiled(added)(1.5)
     LIMIT = 4.0
     try:

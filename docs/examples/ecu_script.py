@@ -13,7 +13,7 @@ import time
 import can
 import cantools
 
-HUB = "interface=socketcand,channel=can11,host=127.0.0.1,port=29536"  # ros2 run ev_sim can_hub
+HUB = "interface=socketcand,channel=can11,host=127.0.0.1,port=29536"  # ros2 run ev_bench can_hub
 ENABLED, DISABLE, RESET = 0x27, 0x00, 0x80
 # Statusword (bits 0 to 3, 5 and 6) -> controlword that leads on, CiA 402.
 LEADS_ON = {0x40: 0x06, 0x60: 0x06, 0x21: 0x07, 0x23: 0x0F, ENABLED: 0x0F}

@@ -12,7 +12,6 @@ VERSION = PACKAGE.findtext("version")
 NODES = [
     "electronic_differential = ev_control.nodes:main",
     "asr = ev_control.nodes:main",
-    "inverter_gateway = ev_control.inverter_gateway.node:main",
 ]
 IS_COLCON = not {"install", "develop"}.isdisjoint(sys.argv)
 
@@ -30,7 +29,7 @@ setup(
         ("share/ev_control", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=[f"ev_core=={VERSION}", "numpy>=1.26.4"],
+    install_requires=[f"ev_nodes=={VERSION}", "numpy>=1.26.4"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     entry_points={
@@ -40,7 +39,6 @@ setup(
         "ev_stack.methods": [
             "electronic_differential = ev_control.methods.electronic_differential",
             "asr = ev_control.methods.asr",
-            "inverter_gateway = ev_control.methods.inverter_gateway",
         ],
     },
 )

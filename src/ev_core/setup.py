@@ -26,10 +26,6 @@ setup(
         "numba==0.68.*",  # and with it llvmlite, whose version decides the last bit of a result
         "numpy>=1.26.4",
     ],
-    extras_require={
-        "can": [f"ev_msgs_py[can]=={VERSION}", "msgpack", "python-can>=4.6.1"],
-        "mf4": ["asammdf>=8.8"],
-        "test": ["pytest"],
-    },
+    extras_require={"test": ["pytest"]},
     zip_safe=True,
 )

@@ -21,7 +21,7 @@ setup(
         ("share/ev_doors", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=[f"ev_sim=={VERSION}"],
+    install_requires=[f"ev_stack=={VERSION}"],
     extras_require={
         "dashboard": ["tornado>=6.4"],
         "gymnasium": ["gymnasium>=1.0"],

@@ -30,6 +30,7 @@ REPORTS = [
 ]
 STUDIES = [
     "bench_convergence = ev_papers.dissertation.studies.bench_convergence",
+    "bench_faults = ev_papers.dissertation.studies.bench_faults",
     "bench_difference = ev_papers.dissertation.studies.bench_difference",
     "braking = ev_papers.dissertation.studies.braking",
     "five_methods = ev_papers.dissertation.studies.five_methods",
@@ -70,7 +71,7 @@ setup(
         ("share/ev_papers", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=[f"ev_study=={VERSION}"],
+    install_requires=[f"ev_bench=={VERSION}", f"ev_study=={VERSION}"],
     extras_require={"test": ["pytest"]},
     zip_safe=False,  # published.csv is read as a file
     entry_points={

@@ -11,24 +11,7 @@ VERSION = PACKAGE.findtext("version")
 
 # What `ros2 run` starts is put into lib/ev_sim by colcon; a wheel would put it on the PATH, under these bare names.
 ROLES = ("plant", "steering_column", "driver", "rear_steering")
-NODES = [
-    *(f"{role} = ev_sim.nodes:main" for role in ROLES),
-    "test_bench = ev_sim.nodes.test_bench:main",
-    "recorder = ev_sim.nodes.recorder:main",
-    "inverter = ev_sim.nodes.inverter:main",
-    "can_hub = ev_sim.commands.can_hub:main",
-]
-MANOEUVRES = (
-    "coast_down",
-    "double_lane_change",
-    "hill_start",
-    "lap",
-    "launch_split_mu",
-    "sine_with_dwell",
-    "steady_circle",
-    "step_steer",
-    "straight_brake_split_mu",
-)
+NODES = [f"{role} = ev_sim.nodes:main" for role in ROLES]
 IS_COLCON = not {"install", "develop"}.isdisjoint(sys.argv)
 
 # ev_sim/config is a link to the folder at the top of the repository.
@@ -44,41 +27,23 @@ setup(
     maintainer_email=PACKAGE.find("maintainer").get("email"),
     license=PACKAGE.findtext("license"),
     packages=find_packages(exclude=["test"]),
-    package_data={
-        "ev_sim": ["py.typed", "__init__.pyi", *CONFIG],
-        "ev_sim.figures": ["*.mplstyle"],
-        "ev_sim.report.page": ["templates/*", "vendor/*"],
-    },
+    package_data={"ev_sim": ["py.typed", *CONFIG]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_sim"]),
         ("share/ev_sim", ["package.xml"]),
-        ("share/ev_sim/launch", ["launch/scenario.launch.py"]),
     ],
     python_requires=">=3.11",
     install_requires=[
-        f"ev_control=={VERSION}",
-        f"ev_core=={VERSION}",
-        "Jinja2>=3.1",
-        "matplotlib>=3.9",
+        f"ev_nodes=={VERSION}",
         "numpy>=1.26.4",
         "PyYAML>=6.0",
-        "scipy>=1.13",
-        "tqdm>=4.66",
     ],
-    extras_require={
-        "bag": ["rosbags==0.11.*"],
-        "can": [f"ev_core[can]=={VERSION}"],
-        "frame": ["pandas"],
-        "parquet": ["pyarrow"],
-        "test": ["pytest"],
-    },
+    extras_require={"test": ["pytest"]},
     zip_safe=False,  # config is read as files
     entry_points={
-        "console_scripts": ["ev-stack = ev_sim.commands.ev_stack:main", *(NODES if IS_COLCON else [])],
-        "ev_stack.commands": ["ev_sim = ev_sim.commands"],
+        "console_scripts": NODES if IS_COLCON else [],
         "ev_stack.nodes": NODES,
         "ev_stack.config": ["ev_sim = ev_sim"],
-        "ev_stack.reports": [f"{name} = ev_sim.manoeuvres.{name}" for name in MANOEUVRES],
-        "ev_stack.methods": [f"{role} = ev_sim.methods.{role}" for role in (*ROLES, "test_bench")],
+        "ev_stack.methods": [f"{role} = ev_sim.methods.{role}" for role in ROLES],
     },
 )

@@ -7,7 +7,7 @@ from setuptools import find_packages, setup
 PACKAGE = ElementTree.parse("package.xml").getroot()
 VERSION = PACKAGE.findtext("version")
 
-STUDIES = ("asr_shootout", "bench_faults", "compare", "energy", "faults", "sweep")
+STUDIES = ("asr_shootout", "compare", "energy", "faults", "sweep")
 
 setup(
     name="ev_study",
@@ -23,7 +23,7 @@ setup(
         ("share/ev_study", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=[f"ev_sim=={VERSION}"],
+    install_requires=[f"ev_stack=={VERSION}"],
     extras_require={
         "cluster": ["dask", "distributed"],
         "test": ["pytest"],

@@ -20,14 +20,14 @@ from ev_core.vehicle.motor import Motor
 from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_sim.measures.understeer import (
+from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.planar_state import VY, YAW_RATE
+from ev_sim.understeer import (
     axle_cornering_stiffnesses,
     characteristic_speed,
     critical_speed,
     understeer_gradient,
 )
-from ev_sim.plant.planar.given import PlanarParameters
-from ev_sim.plant.planar.planar_state import VY, YAW_RATE
 from ev_study.analysis.__main__ import main as analyse
 from ev_study.analysis.linear_models import SideSlipModel
 from ev_study.analysis.linearised_plant import OperatingPoint, linearised

@@ -7,9 +7,9 @@ from functools import cache
 from typing import Any
 
 from ev_core.lockstep.configuration import Configuration
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 DURATION = 3.0
 RUNS = 5

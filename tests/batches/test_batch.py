@@ -7,11 +7,11 @@ import pytest
 from batches.batches import DURATION, RUNS, alone, lane_change, vary
 
 from ev_core.lockstep.parts import compiled_part, method_part
-from ev_sim.batches.batch import batch
-from ev_sim.batches.observer import largest_magnitude, last, maximum, mean, minimum, root_mean_square
-from ev_sim.batches.whole_runs import Ending
-from ev_sim.measures.registry import DrivenRun
-from ev_sim.recording.offline import run_offline
+from ev_stack.batches.batch import batch
+from ev_stack.batches.observer import largest_magnitude, last, maximum, mean, minimum, root_mean_square
+from ev_stack.batches.whole_runs import Ending
+from ev_stack.measures.named import DrivenRun
+from ev_stack.recording.offline import run_offline
 
 SIGNALS = ("imu.yaw_rate", "wheel_states.velocity.rear_left", "pose.orientation_z", "driver.command.hand_torque")
 METRICS = {
@@ -119,7 +119,7 @@ def test_only_what_differs_is_prepared_anew(monkeypatch):
         made.append(configuration.role)
         return compiled_part(configuration, like)
 
-    monkeypatch.setattr("ev_sim.batches.batch.compiled_part", counted)
+    monkeypatch.setattr("ev_stack.batches.batch.compiled_part", counted)
     batch(lane_change(), 0.1, {"*.seed": range(20)})
     assert sorted(made) == sorted(lane_change())
     made.clear()

@@ -9,10 +9,10 @@ from toy_methods import toy_graph
 
 from ev_core.lockstep.parts import method_part
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.batch import batch
-from ev_sim.batches.by_period import PERIOD, batch_by_period
-from ev_sim.batches.observer import mean
-from ev_sim.batches.whole_runs import Ending
+from ev_stack.batches.batch import batch
+from ev_stack.batches.by_period import PERIOD, batch_by_period
+from ev_stack.batches.observer import mean
+from ev_stack.batches.whole_runs import Ending
 
 
 @pytest.mark.parametrize(

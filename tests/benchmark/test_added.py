@@ -13,7 +13,7 @@ import pytest
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.run_scenario import main
+from ev_stack.commands.run_scenario import main
 from ev_study.benchmark.added import check_laws, with_added
 from ev_study.benchmark.board import read_board
 from ev_study.commands.benchmark import _words, run_benchmark

@@ -12,12 +12,12 @@ import pytest
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.command_line.options import arguments, overrides
-from ev_sim.commands.run_scenario import main
-from ev_sim.measures.own_metrics import named_metrics
-from ev_sim.measures.registry import driven_run
-from ev_sim.recording.offline import run_offline, true_motion
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.command_line.options import arguments, overrides
+from ev_stack.commands.run_scenario import main
+from ev_stack.measures.named import driven_run
+from ev_stack.measures.own_metrics import named_metrics
+from ev_stack.recording.offline import run_offline, true_motion
+from ev_stack.scenarios.scenario import load_scenario
 from ev_study.benchmark.board import read_board
 from ev_study.benchmark.cell_runs import run_of, values_of
 from ev_study.benchmark.draws import drawn

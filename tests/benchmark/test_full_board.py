@@ -13,12 +13,12 @@ import yaml
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.by_period import batch_by_period
-from ev_sim.command_line.options import arguments, overrides
-from ev_sim.measures import motion
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording, signal_hash
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.batches.by_period import batch_by_period
+from ev_stack.command_line.options import arguments, overrides
+from ev_stack.measures import motion
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording, signal_hash
+from ev_stack.scenarios.scenario import load_scenario
 from ev_study.benchmark import entry_speed
 from ev_study.benchmark.added import check_laws
 from ev_study.benchmark.board import CASES, Board, read_board

@@ -14,7 +14,7 @@ import pytest
 from schedulers import scheduler_with_two_workers
 
 from ev_core.parameters.data_file import files_in_config
-from ev_sim.recording.outcome import RunFailed
+from ev_stack.recording.outcome import RunFailed
 from ev_study.benchmark import kept_cells
 from ev_study.benchmark.board import read_board
 from ev_study.benchmark.driving import DrivenCell, drive_cell
@@ -124,7 +124,7 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 @pytest.mark.weekly
 def test_a_board_that_is_killed_goes_on_with_the_same_bits(expected: str, tmp_path: Path, capsys):
-    program = "import sys; from ev_sim.commands.run_scenario import main; main(sys.argv[1:])"
+    program = "import sys; from ev_stack.commands.run_scenario import main; main(sys.argv[1:])"
     words = [sys.executable, "-c", program, "benchmark", *WORDS, "--out", str(tmp_path)]
     board = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while not [*tmp_path.glob("driven/*.npz")]:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ev_sim.measures.own_metrics import named_metrics
+from ev_stack.measures.own_metrics import named_metrics
 from ev_study.benchmark.board import Cell, read_board
 from ev_study.benchmark.driving import DrivenCell
 from ev_study.benchmark.ranking import run_files

@@ -14,7 +14,7 @@ import yaml
 
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.run_scenario import main
+from ev_stack.commands.run_scenario import main
 from ev_study.benchmark.board import MOTOR_FAULT, TOLD_FRICTION, Board, Cell, Variation, read_board
 from ev_study.benchmark.cell_runs import law_of, run_of, values_of
 from ev_study.benchmark.draws import drawn, own_draws

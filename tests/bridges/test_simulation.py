@@ -14,9 +14,9 @@ from rclpy.node import Node
 from ros_graph import Graph, graph, shchur
 from std_srvs.srv import Trigger
 
-from ev_core.nodes.runner_line import TIME_SERVICE
 from ev_doors.bridges import simulation
 from ev_msgs_py.contract.roles import MASTER, REQUIRED
+from ev_nodes.stepping.runner_line import TIME_SERVICE
 
 OK = Result.RESULT_OK
 SERVICE, ACTION = "simulation_interfaces/srv/{}", "simulation_interfaces/action/SimulateSteps"

@@ -13,7 +13,7 @@ from ros_graph import NAMESPACE, Graph, graph, shchur
 
 from ev_doors.bridges import vehicle
 from ev_msgs_py.contract.roles import MASTER, REQUIRED
-from ev_sim.commands.ev_stack import perform
+from ev_stack.commands.program import perform
 
 CONTROL, GEAR = "/control/command/control_cmd", "/control/command/gear_cmd"
 GEARS = KINDS["autoware_vehicle_msgs/msg/GearCommand"]

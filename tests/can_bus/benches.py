@@ -7,12 +7,12 @@ from typing import Any
 
 from can_bus.databases import ours
 
+from ev_bench.inverter.circuit_station import CircuitStation
+from ev_bench.inverter.device import CircuitParameters
 from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, controlword_towards_operation, state_of
 from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.payload import next_counter
-from ev_sim.inverter.circuit_station import CircuitStation
-from ev_sim.inverter.device import CircuitParameters
 
 TICK = 0.001
 TORQUE_MODE, SPEED_MODE = 1.0, 2.0

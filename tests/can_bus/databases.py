@@ -8,7 +8,7 @@ from pathlib import Path
 import canmatrix.formats
 import cantools
 
-from ev_core.bus.parameters import load_database
+from ev_bench.bus.parameters import load_database
 from ev_msgs_py.can.database import Database
 
 FILE = Path(__file__).parents[2] / "config" / "can" / "ev_bench.dbc"

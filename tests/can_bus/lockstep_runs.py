@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ev_sim.recording.offline import run_offline
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 HEALTHY = (
     ("test_bench", "inject.kind", "none"),

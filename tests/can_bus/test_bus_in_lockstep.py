@@ -13,14 +13,15 @@ from can_bus.databases import by_cantools
 from can_bus.exact_bits import exact_frame
 from can_bus.lockstep_runs import HEALTHY, driven
 
-from ev_core.bus.channel import bus_log
+from ev_bench.bus.channel import bus_log
+from ev_bench.runs.frame_log import FrameLog, logged_frames
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.offline import logged_frames, run_offline, write_can_log
-from ev_sim.recording.recording import Recording, signal_hash
-from ev_sim.running.processes import run_in_process, run_in_processes
-from ev_sim.scenarios.scenario import Overrides, load_scenario
-from ev_study.studies import bench_faults
-from ev_study.studies.bench_faults import FAULTS, trial
+from ev_papers.dissertation.studies import bench_faults
+from ev_papers.dissertation.studies.bench_faults import FAULTS, trial
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording, signal_hash
+from ev_stack.running.processes import run_in_process, run_in_processes
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.studies.study import drive_case
 
 pytestmark = pytest.mark.slow
@@ -52,7 +53,7 @@ def test_the_log_of_the_bus_is_read_by_other_tools(lossy, tmp_path, suffix):
     """100 cycles: in each two set-points and two motions on both channels, every time later than the one before."""
     run, recording = lossy
     file = tmp_path / f"bus{suffix}"
-    assert write_can_log(bus_log(str(file)), recording, run.configurations["test_bench"]) == ""
+    assert FrameLog(bus_log(str(file)), run.configurations["test_bench"]).write(recording) == ""
     frames = list(can.LogReader(file))
     names = [by_cantools().get_message_by_frame_id(frame.arbitration_id).name for frame in frames]
     for kind in ("SetPoint", "Motion"):

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from documentation.response_times import of_layouts
-from ev_core.bus.model import (
+from ev_bench.bus.model import (
     PLACES,
     SENT,
     BusModelParameters,

@@ -19,13 +19,13 @@ from ros_graph import NAMESPACE, ros_domain
 from sensor_msgs.msg import BatteryState, JointState
 from std_srvs.srv import SetBool, Trigger
 
-from ev_control.inverter_gateway.node import InverterGatewayNode
-from ev_core.bus.channel import Channel
-from ev_core.nodes.spinning import spin
+from ev_bench.bus.channel import Channel
+from ev_bench.nodes.gateway import InverterGatewayNode
+from ev_bench.nodes.inverter import InverterNode
 from ev_msgs_py.can.drive_states import ENABLE_COMMAND, FAULT, FAULT_REACTION_ACTIVE, OPERATION_ENABLED
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.nodes.inverter import InverterNode
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_nodes.stepping.spinning import spin
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 QUICK_CHARGE = {f"{machine}.dc_link.precharge_resistance": 10.0 for machine in ("drive", "load")}
 # A loaded machine may hold a node up for longer than the time-outs of a real bus: here they are no subject.
@@ -363,7 +363,7 @@ def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_i
         for _ in range(50):
             send()
         now = time.monotonic()
-        monkeypatch.setattr("ev_core.nodes.bus_nodes.time.monotonic", lambda: now + 0.05)
+        monkeypatch.setattr("ev_bench.nodes.bus_nodes.time.monotonic", lambda: now + 0.05)
         node.poll()
         assert drive.torque == 0.0
         assert drive.state in (FAULT, FAULT_REACTION_ACTIVE)

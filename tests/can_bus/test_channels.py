@@ -22,12 +22,12 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from patience import PATIENCE
 
-from ev_core.bus import channel as channel_module
-from ev_core.bus import socketcand_hub
-from ev_core.bus.channel import BusMeter, Channel, bus_log
-from ev_core.bus.opening import BusError, open_channel
-from ev_core.bus.parameters import DEFAULT_CHANNELS, INTERFACES, BusParameters
-from ev_core.bus.socketcand_hub import HOST, SocketcandHub
+from ev_bench.bus import channel as channel_module
+from ev_bench.bus import socketcand_hub
+from ev_bench.bus.channel import BusMeter, Channel, bus_log
+from ev_bench.bus.opening import BusError, open_channel
+from ev_bench.bus.parameters import DEFAULT_CHANNELS, INTERFACES, BusParameters
+from ev_bench.bus.socketcand_hub import HOST, SocketcandHub
 from ev_msgs_py.can.frame_length import Frame
 
 FRAMES = [Frame(0x20B, bytes(range(8))), Frame(0x701, b"\x01\x02\x03\x04"), Frame(0x18B, b"")]

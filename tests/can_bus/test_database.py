@@ -11,7 +11,7 @@ from fuzz.fuzzing import assert_one_line, fuzzed
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from ev_core.bus.parameters import load_database
+from ev_bench.bus.parameters import load_database
 from ev_msgs_py.can.payload import extracted, inserted
 from ev_msgs_py.refusal import ParameterError
 

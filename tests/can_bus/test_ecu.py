@@ -26,16 +26,16 @@ from can_bus.test_processes import (
 from patience import PATIENCE
 from ros_graph import ros_domain
 
-from ev_control.inverter_gateway.gateway import GatewayParameters
-from ev_control.inverter_gateway.station import GatewayStation
-from ev_core.bus.channel import Channel
-from ev_core.nodes.bus_nodes import Ticks
+from ev_bench.bus.channel import Channel
+from ev_bench.inverter_gateway.gateway import GatewayParameters
+from ev_bench.inverter_gateway.station import GatewayStation
+from ev_bench.nodes.bus_nodes import Ticks
 from ev_core.parameters.values import build
 from ev_doors.export.targets import TARGETS
 from ev_msgs_py.can.frames import SPEED_MODE
 from ev_msgs_py.contract import stamps
-from ev_sim.interface.driving import only_run, overrides
-from ev_sim.interface.simulation import SteppedLaw
+from ev_stack.interface.driving import only_run, overrides
+from ev_stack.interface.simulation import SteppedLaw
 
 pytestmark = pytest.mark.slow
 
@@ -108,7 +108,7 @@ def test_an_exported_law_drives_our_inverters(target, folders):
         assert alone.stderr.startswith(f"ecu: {line}")
     port = bus["bus.channel_11"].rpartition(":")[2]
     with ros_domain() as context:
-        inverter = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT})
+        inverter = launch("ev_bench", "inverter", context.get_domain_id(), {**bus, **PATIENT})
         load = LeftLoad(Channel("socketcand", bus["bus.channel_12"]))
         load.lead(lambda: load.station.enable(("Load12",)) == "")
         load.lead(load.holds)
@@ -141,7 +141,7 @@ def test_a_fault_while_the_program_is_held_up_past_its_end_is_told(folders):
     """It is stopped for longer than the 3 s that it holds, and the drives miss its set-points: exit status 1."""
     program, bus = built("x86_64-linux", folders / "x86_64-linux"), hub_channels()
     with ros_domain() as context:
-        inverter = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT})
+        inverter = launch("ev_bench", "inverter", context.get_domain_id(), {**bus, **PATIENT})
         ecu = started([*program, bus["bus.channel_11"].rpartition(":")[2], str(PEDAL), "3", str(TIMEOUT)])
         wait_for_torque(bus)
         ecu.send_signal(signal.SIGSTOP)

@@ -7,9 +7,11 @@ import math
 import pytest
 from can_bus.databases import ours
 
-from ev_control.inverter_gateway.gateway import GatewayParameters
-from ev_control.inverter_gateway.panel import FAULTY, GOOD, SILENT, WARNED, diagnosis
-from ev_control.inverter_gateway.station import GatewayStation
+from ev_bench.inverter.circuit_station import CircuitStation
+from ev_bench.inverter.device import CircuitParameters
+from ev_bench.inverter_gateway.gateway import GatewayParameters
+from ev_bench.inverter_gateway.panel import FAULTY, GOOD, SILENT, WARNED, diagnosis
+from ev_bench.inverter_gateway.station import GatewayStation
 from ev_core.lockstep.configuration import configure
 from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import (
@@ -29,8 +31,6 @@ from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import DEVICES, SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.payload import checksum, counter_of, next_counter
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.inverter.circuit_station import CircuitStation
-from ev_sim.inverter.device import CircuitParameters
 
 RPM = math.pi / 30.0
 

@@ -9,6 +9,9 @@ import pytest
 from can_bus.benches import NOTHING, SPEED, TICK, TORQUE, Bench
 from can_bus.databases import ours
 
+from ev_bench.inverter.circuit_station import advance_circuit
+from ev_bench.inverter.device import Circuit, CircuitParameters
+from ev_bench.inverter.on_channel import receive_set_point
 from ev_core.compiled.loop import compiled, one_record
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
@@ -28,9 +31,6 @@ from ev_msgs_py.can.drive_states import (
 from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import bench_frames
 from ev_msgs_py.can.payload import protected
-from ev_sim.inverter.circuit_station import advance_circuit
-from ev_sim.inverter.device import Circuit, CircuitParameters
-from ev_sim.inverter.on_channel import receive_set_point
 
 RUN = TORQUE | {"Controlword": float(ENABLE_COMMAND)}
 RPM = math.pi / 30.0

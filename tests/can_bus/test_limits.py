@@ -13,24 +13,24 @@ from can_bus.databases import FILE, ours
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from ev_control.inverter_gateway.can import prepare
-from ev_control.inverter_gateway.gateway import (
+from ev_bench.bus.checking import TOLERANCES, CheckState, check, is_valid, no_new_data
+from ev_bench.bus.parameters import load_database
+from ev_bench.inverter.circuit_station import CircuitStation
+from ev_bench.inverter.device import INJECTIONS, CircuitParameters, inject
+from ev_bench.inverter_gateway.can import prepare
+from ev_bench.inverter_gateway.gateway import (
     GatewayParameters,
     LockstepGatewayParameters,
     check_limits,
     most_torque,
 )
-from ev_control.inverter_gateway.station import GatewayStation
-from ev_core.bus.checking import TOLERANCES, CheckState, check, is_valid, no_new_data
-from ev_core.bus.parameters import load_database
+from ev_bench.inverter_gateway.station import GatewayStation
 from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
 from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE, bench_frames
 from ev_msgs_py.can.payload import BitField, rounded_down
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.inverter.circuit_station import CircuitStation
-from ev_sim.inverter.device import INJECTIONS, CircuitParameters, inject
 
 RPM = math.pi / 30.0
 TORQUE_STEP, SPEED_STEP = 4.0, 0.5 * RPM  # of `TorqueLimit` and `Speed` in the frames

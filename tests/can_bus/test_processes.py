@@ -19,14 +19,14 @@ from can_bus.test_channels import FRAMES, free_port, group, received
 from patience import PATIENCE
 from ros_graph import NAMESPACE, ros_domain
 
-from ev_control.inverter_gateway.gateway import GatewayParameters
-from ev_control.inverter_gateway.station import GatewayStation
-from ev_core.bus.channel import Channel
-from ev_core.nodes.bus_nodes import Ticks
+from ev_bench import can_hub
+from ev_bench.bus.channel import Channel
+from ev_bench.inverter_gateway.gateway import GatewayParameters
+from ev_bench.inverter_gateway.station import GatewayStation
+from ev_bench.nodes.bus_nodes import Ticks
 from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import FAULT, OPERATION_ENABLED, SWITCH_ON_DISABLED
 from ev_msgs_py.can.frames import TORQUE_MODE
-from ev_sim.commands import can_hub
 
 pytestmark = pytest.mark.slow
 
@@ -76,7 +76,7 @@ def channels() -> dict[str, str]:
 
 def hub_channels() -> dict[str, str]:
     """Those of a hub in a process of its own."""
-    hub = started([sys.executable, "-m", "ev_sim.commands.can_hub", "--port", "0"])
+    hub = started([sys.executable, "-m", "ev_bench.can_hub", "--port", "0"])
     place = hub.stdout.readline().split()[-1]
     names = {f"bus.channel_{circuit}": f"can{circuit}@{place}" for circuit in ("11", "12")}
     return {"bus.interface": "socketcand", **names}
@@ -91,7 +91,7 @@ def end(processes: list[subprocess.Popen]) -> list[str]:
 
 def test_a_hub_ends_without_a_word_however_often_it_is_told():
     """However often it is interrupted, a hub ends without a line."""
-    hub = started([sys.executable, "-m", "ev_sim.commands.can_hub", "--port", "0"])
+    hub = started([sys.executable, "-m", "ev_bench.can_hub", "--port", "0"])
     hub.stdout.readline()
     hub.send_signal(signal.SIGINT)
     assert end([hub]) == [""]
@@ -117,8 +117,8 @@ def test_torque_goes_through_two_processes_and_a_bus():
         domain, world = context.get_domain_id(), World(context)
         gateway = {"feedback_timeout": 1.0, "command_timeout": 2.0, "auto_enable": True}
         processes = [
-            launch("ev_sim", "inverter", domain, {**bus, **PATIENT}),
-            launch("ev_control", "inverter_gateway", domain, {**bus, **gateway}),
+            launch("ev_bench", "inverter", domain, {**bus, **PATIENT}),
+            launch("ev_bench", "inverter_gateway", domain, {**bus, **gateway}),
         ]
         executor, deadline = SingleThreadedExecutor(context=context), time.monotonic() + PATIENCE
         executor.add_node(world)
@@ -149,7 +149,7 @@ def test_frames_go_through_a_hub_in_its_own_process():
 
 
 def test_an_interface_that_is_missing_is_one_line_and_status_1():
-    process = launch("ev_sim", "inverter", 0, {"bus.interface": "socketcan", "bus.channel_11": "can77"})
+    process = launch("ev_bench", "inverter", 0, {"bus.interface": "socketcan", "bus.channel_11": "can77"})
     said = process.communicate(timeout=PATIENCE)[0]
     assert process.returncode == 1
     assert said.startswith("inverter: CAN interface socketcan, channel can77: ")
@@ -177,7 +177,7 @@ def test_the_ecu_script_drives_an_inverter_again_and_again(inverter):
     bus = hub_channels()
     with ros_domain() as context:
         if inverter == "ours":
-            process = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT})
+            process = launch("ev_bench", "inverter", context.get_domain_id(), {**bus, **PATIENT})
         else:
             process = script(inverter, bus["bus.channel_11"], "--timeout", "1.0")
         heard(bus)
@@ -203,7 +203,7 @@ def test_a_fault_in_mid_run_ends_the_ecu_script_by_its_name():
     bus = hub_channels()
     with ros_domain() as context:
         trip = {"inject.drive_11": "[trip]"}
-        inverter = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT, **trip})
+        inverter = launch("ev_bench", "inverter", context.get_domain_id(), {**bus, **PATIENT, **trip})
         heard(bus)
         ecu = script("ecu_script.py", bus["bus.channel_11"])
         said = ecu.communicate(timeout=PATIENCE)[0]

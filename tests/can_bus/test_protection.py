@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_core.bus.checking import (
+from ev_bench.bus.checking import (
     INITIAL,
     NO_NEW_DATA,
     OK,

@@ -15,16 +15,16 @@ from can_bus.exact_bits import exact_frame
 from can_bus.test_channels import FRAMES, received
 from run_script import ENVIRONMENT, RUN
 
-from ev_control.inverter_gateway.station import GatewayOnBus
-from ev_core.bus.channel import BusMeter, Channel
-from ev_core.bus.parameters import BusParameters
+from ev_bench.bus.channel import BusMeter, Channel
+from ev_bench.bus.parameters import BusParameters
+from ev_bench.inverter_gateway.station import GatewayOnBus
+from ev_bench.machines.bench_on_bus import BenchOnBus, meters_of
 from ev_msgs_py.can.payload import joined
 from ev_msgs_py.contract.optional_signals import LoadCommand
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_sim.running import domain
-from ev_sim.scenarios.scenario import Overrides, load_scenario
-from ev_sim.test_bench.bench_on_bus import BenchOnBus, meters_of
+from ev_stack.running import domain
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 TICKS = 5  # of 1 ms in a control period
 TRIP, RESET, DRIVEN = 0.2, 0.3, 0.45  # [s]

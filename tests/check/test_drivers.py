@@ -9,7 +9,7 @@ from scenario_roles import configurations_in
 
 from ev_core.check.method import check_configuration
 from ev_core.lockstep.configuration import Configuration, configure
-from ev_sim.scenarios.scenario import scenario_names
+from ev_stack.scenarios.scenario import scenario_names
 
 pytestmark = pytest.mark.slow
 

@@ -12,8 +12,8 @@ from ev_core.methods.register import create
 from ev_core.parameters.record import names
 from ev_core.parameters.values import build
 from ev_msgs_py.contract.signals import DriverCommand
-from ev_sim.recording.offline import run_offline
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import load_scenario
 
 PERIOD = 0.005
 METHOD = find_method("steering_column", "actuated")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_core.compiled.part import CompiledPart, NeedsPython
 from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.lockstep.parts import is_compiled, part_of
@@ -93,9 +93,9 @@ def test_such_a_law_runs_in_plain_python_with_a_note(tmp_path: Path, look: str, 
 def test_offline_it_prints_and_has_the_bits_of_the_law_without(tmp_path: Path, capfd: pytest.CaptureFixture[str]):
     """In a run of 0.1 s it prints at each of 11 instants."""
     printing = configuration_of(tmp_path, 'print("share", share)').method.name
-    one = ev_sim.run("shchur2019", method={"asr": printing}, duration=0.1)
+    one = ev_stack.run("shchur2019", method={"asr": printing}, duration=0.1)
     assert capfd.readouterr().out.count("share 0.5") == 11
-    other = ev_sim.run("shchur2019", method={"asr": configuration_of(tmp_path, "pass").method.name}, duration=0.1)
+    other = ev_stack.run("shchur2019", method={"asr": configuration_of(tmp_path, "pass").method.name}, duration=0.1)
     assert one.hash == other.hash
 
 
@@ -103,4 +103,4 @@ def test_offline_it_prints_and_has_the_bits_of_the_law_without(tmp_path: Path, c
 def test_in_a_batch_it_is_refused_in_one_line(tmp_path: Path):
     name = configuration_of(tmp_path, "print(share)").method.name
     with pytest.raises(ParameterError, match=rf"^{name}, line {LINES + 1}: asr law mine: print needs Python.*$"):
-        ev_sim.batch("shchur2019", method={"asr": name}, vary={"asr.share": [0.1, 0.2]}, duration=0.1)
+        ev_stack.batch("shchur2019", method={"asr": name}, vary={"asr.share": [0.1, 0.2]}, duration=0.1)

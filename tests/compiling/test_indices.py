@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import njit
 
-import ev_sim
+import ev_stack
 from ev_control.asr.off import off
 from ev_core.check.method import ContractError, check_method
 from ev_core.compiled.part import CompiledPart
@@ -226,7 +226,7 @@ def said_of(late: str) -> str:
 def test_offline_it_is_one_line(late: str):
     """Also in the middle of a run, where the law answers before the index leaves its range: at once here."""
     with pytest.raises(LawError) as raised:
-        ev_sim.run("shchur2019", method={"asr": late}, set={"asr.delay": 0.2}, duration=0.1)
+        ev_stack.run("shchur2019", method={"asr": late}, set={"asr.delay": 0.2}, duration=0.1)
     assert str(raised.value) == f"at 0 s: {said_of(late)}"
 
 
@@ -243,7 +243,7 @@ def test_the_check_finds_it_at_the_end_of_the_range(late: str):
 @pytest.mark.slow
 def test_in_a_batch_the_run_stops_alone(late: str):
     """Its neighbours go on; the line stands where that of a number that is not finite does."""
-    done = ev_sim.batch(
+    done = ev_stack.batch(
         "shchur2019", method={"asr": late}, vary={"asr.delay": [0.03, 0.2, 0.04]}, duration=0.1, signals=["time"][:0]
     )
     assert done.failed == {1: f"at 0 s: {said_of(late)}"}

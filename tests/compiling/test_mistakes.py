@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_core.lockstep.finding import find_method
 from ev_core.methods.law_error import LawError
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.run_scenario import main as run_scenario
+from ev_stack.commands.run_scenario import main as run_scenario
 
 HEAD = '''
 from dataclasses import dataclass
@@ -161,7 +161,7 @@ def test_a_mistake_is_one_line(tmp_path: Path, name: str):
     text, said = MISTAKES[name]
     file = law_file(tmp_path, text)
     with pytest.raises(ParameterError) as refused:
-        ev_sim.run("shchur2019", method={"asr": str(file)}, duration=0.1)
+        ev_stack.run("shchur2019", method={"asr": str(file)}, duration=0.1)
     begin = f"{file}, line {line_of(name)}: asr law mine: "
     assert str(refused.value).startswith(begin + said), refused.value
     assert "\n" not in str(refused.value)
@@ -193,7 +193,7 @@ def test_what_a_compiled_law_raises_ends_the_run_with_its_line(tmp_path: Path, t
     """Plain Python takes the step again, and has the line; of what divides by zero as well, which is NaN compiled."""
     file = law_file(tmp_path, text)
     with pytest.raises(LawError, match=re.escape(f"at 0 s: {file}, {said}")) as raised:
-        ev_sim.run("shchur2019", method={"asr": str(file)}, duration=0.1)
+        ev_stack.run("shchur2019", method={"asr": str(file)}, duration=0.1)
     assert "\n" not in str(raised.value)
 
 
@@ -307,4 +307,4 @@ def test_what_prepare_gives_is_refused_in_one_line(tmp_path: Path):
     with pytest.raises(
         ParameterError, match=r"my_law\.py, line 14: asr law mine: TypeError: prepare gives a list of float, exp"
     ):
-        ev_sim.run("shchur2019", method={"asr": str(file)}, duration=0.1)
+        ev_stack.run("shchur2019", method={"asr": str(file)}, duration=0.1)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_core.compiling import inside_numba
 from ev_msgs_py.refusal import ParameterError
 
@@ -32,7 +32,7 @@ def test_a_graph_that_is_compiled_in_the_plain_way_has_the_same_signal_hash(tmp_
     done = subprocess.run([sys.executable, TOOL, "--smoke"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     rows = [re.split(r" *\| *", line)[1:-1] for line in done.stdout.splitlines() if line.startswith("|")]
-    expected = ev_sim.run("shchur2019", duration=0.5).hash[:12]
+    expected = ev_stack.run("shchur2019", duration=0.5).hash[:12]
     assert [(way, shown, said) for way, _, _, shown, said in rows[2:]] == [
         ("plain", expected, "same bits"),
         ("all touches", expected, "same bits"),

@@ -30,14 +30,14 @@ from ev_core.compiling.fingerprint import fingerprint
 from ev_core.compiling.user_cache import cache_folder, read_checked, write_checked
 from ev_core.law import ParameterError, compilable
 from ev_core.parameters.data_file import files_read
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import signal_hash
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import signal_hash
+from ev_stack.scenarios.scenario import load_scenario
 
 DRIVE = """
-from ev_sim.recording.recording import signal_hash
-from ev_sim.recording.offline import run_offline
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.recording.recording import signal_hash
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import load_scenario
 print(signal_hash(run_offline(load_scenario("shchur2019").runs[0].configurations, 0.2)))
 """
 

@@ -17,7 +17,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.courses.course import CourseParameters, lengths_to_next, middle_of, normals, with_course_from_file
 from ev_sim.courses.racing_line import curvatures, racing_line, second_differences
 from ev_sim.courses.speed_profile import LimitParameters, limits, speed_profile
-from ev_sim.scenarios.about import vehicle_of
+from ev_stack.scenarios.about import vehicle_of
 
 FILE = "courses/handling.csv"
 TRACK = 1.53  # m

@@ -19,7 +19,7 @@ from run_script import ENVIRONMENT, ROOT
 
 from ev_doors.commands import dashboard as command
 from ev_doors.dashboard.server import listening
-from ev_sim.recording.outcome import RunFailed
+from ev_stack.recording.outcome import RunFailed
 
 WORDS = "[...document.querySelectorAll('#words li')].map((line) => line.textContent)"
 PERIOD = 0.01  # s, of control in shchur2019

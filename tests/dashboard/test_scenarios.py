@@ -12,9 +12,9 @@ from pictures.browser import FOUND, Browser
 from pictures.fed_page import FedPage
 
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.recording.recording import Recording
-from ev_sim.running.offline import drive_offline
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario, scenario_names
+from ev_stack.recording.recording import Recording
+from ev_stack.running.offline import drive_offline
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario, scenario_names
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(FOUND is None, reason="no Chromium on this machine")]
 SECONDS = 0.1  # that are driven: ten rows at least

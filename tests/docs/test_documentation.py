@@ -14,8 +14,8 @@ from documentation.markdown import block_names, built, built_names, table, with_
 from documentation.pages import stale_pages
 from documentation.results import control_period_table, drive_all, result_table
 from documentation.scenario_results import SCENARIO_PAGES, results_of
-from ev_sim.commands.run_scenario import main as run_scenario
-from ev_sim.recording.recording import load, signal_hash
+from ev_stack.commands.run_scenario import main as run_scenario
+from ev_stack.recording.recording import load, signal_hash
 
 pytestmark = pytest.mark.slow
 
@@ -167,10 +167,10 @@ def test_yaw_feedback_lowers_the_error_that_the_page_says():
 def errors_of_yaw_rate(module: str, *given: dict) -> list[str]:
     """Errors in `double_lane_change` [rad/s]: with equal torques, and with the law of an example and these values."""
     code = (
-        f"import {module}, ev_sim; from ev_sim.measures.handling import yaw_rate_error as error\n"
+        f"import {module}, ev_stack; from ev_stack.measures.handling import yaw_rate_error as error\n"
         f"for name, values in (('equal_torque', {{}}), *(({module!r}, each) for each in {given!r})):\n"
         "    values = {f'electronic_differential.{key}': value for key, value in {'method': name, **values}.items()}\n"
-        "    result = ev_sim.run('double_lane_change', set=values)\n"
+        "    result = ev_stack.run('double_lane_change', set=values)\n"
         "    (run,) = result.runs.values()\n"
         "    print(round(error(run, result.summary().vehicle), 3))\n"
     )
@@ -208,7 +208,7 @@ def test_own_method_is_found_by_its_entry_point(built_in: Path, tmp_path: Path, 
     short = ["shchur2019", "--offline", "--no-record", "--duration", str(DURATION), "--method", f"asr={method}"]
     limited = [*short, "--set", f"asr.limit={LIMIT}", "--out", str(tmp_path / "limited")]
     calls = (["--list"], limited, [*short, "--out", str(tmp_path / "equal")])
-    code = f"from ev_sim.commands.run_scenario import main\nfor words in {calls}: main(words)"
+    code = f"from ev_stack.commands.run_scenario import main\nfor words in {calls}: main(words)"
     command = [sys.executable, "-c", code]
     said = subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
     assert "Limit the drive torque of every wheel" in said

@@ -20,7 +20,7 @@ IMPORT = re.compile(r"^\s*(?:from|import) ev_papers\b", re.MULTILINE)
 
 
 def program(*calls: list[str]) -> str:
-    return f"from ev_sim.commands.run_scenario import main\nfor words in {calls}: main(words)"
+    return f"from ev_stack.commands.run_scenario import main\nfor words in {calls}: main(words)"
 
 
 def said(code: str, installed: Path, folder: Path) -> str:

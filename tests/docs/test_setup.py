@@ -17,8 +17,8 @@ import pytest
 import uv_as_pip
 from patience import wait_until
 
-from ev_sim.running.beforehand import compile_for
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.running.beforehand import compile_for
+from ev_stack.scenarios.scenario import load_scenario
 
 ROOT = Path(__file__).parents[2]
 
@@ -35,7 +35,7 @@ COLCON = """
 import os, pathlib, time
 pathlib.Path("building").touch()
 time.sleep(float(os.environ.get("BUILD_TIME", "0")))
-folder = pathlib.Path("install/ev_sim/lib/ev_sim")
+folder = pathlib.Path("install/ev_stack/lib/ev_stack")
 folder.mkdir(parents=True, exist_ok=True)
 (folder / "ev-stack").write_text("#!/bin/sh\\necho the command\\n")
 (folder / "ev-stack").chmod(0o755)

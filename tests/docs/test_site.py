@@ -83,7 +83,7 @@ def test_no_link_leads_out_of_the_pages(pages: Path):
 
 def test_everything_that_the_reference_names_is_there(pages: Path):
     names = re.findall(r"^::: (\S+)$", (pages / "reference.md").read_text(), re.MULTILINE)
-    assert {"ev_sim", "ev_core.methods.register.method", "ev_control.shared.torque_split.split"} < {*names}
+    assert {"ev_stack", "ev_core.methods.register.method", "ev_control.shared.torque_split.split"} < {*names}
     for name in names:
         assert resolve_name(name) is not None
 

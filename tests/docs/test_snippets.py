@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import ev_sim
-from ev_sim.command_line.offered_commands import offered_commands
-from ev_sim.command_line.options import arguments
-from ev_sim.commands import run_scenario
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+import ev_stack
+from ev_stack.command_line.offered_commands import offered_commands
+from ev_stack.command_line.options import arguments
+from ev_stack.commands import run_scenario
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.measured.records.mapping import read_record
 from ev_study.studies.run_study import arguments as arguments_of_study
 from ev_study.studies.study import study_names
@@ -54,7 +54,9 @@ def test_python_runs_as_it_stands(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     if "@method" in texts[0]:
         Path("law.py").write_text(texts[0])
-        assert ev_sim.run("step_steer", runs=("left",), method={"electronic_differential": "law.py"}, duration=0.5).hash
+        assert ev_stack.run(
+            "step_steer", runs=("left",), method={"electronic_differential": "law.py"}, duration=0.5
+        ).hash
         return
     names: dict = {}
     for text in texts:
@@ -85,7 +87,7 @@ def test_the_scenario_of_the_page_changes_the_lane_and_finds_its_car_beside_it(t
     (tmp_path / "lane_change.yaml").write_text(text)
     shutil.copy(ROOT / "config" / "vehicles" / "compact_ev.yaml", tmp_path / "car.yaml")
     monkeypatch.chdir("/")
-    result = ev_sim.run(tmp_path / "lane_change.yaml")
+    result = ev_stack.run(tmp_path / "lane_change.yaml")
     assert result.metrics["course_passed"].value == 1
     assert result.signals["pose.y"][-1] == pytest.approx(3.5, abs=0.1)  # the middle of the second lane
     assert result.metrics["jerk"].unit == "m/s^3" and np.isfinite(result.metrics["yaw_rate_error"].value)

@@ -9,20 +9,20 @@ from pathlib import Path
 
 import pytest
 
-import ev_sim
+import ev_stack
 
 ROOT = Path(__file__).parents[2]
 RULES = configparser.ConfigParser()
 RULES.read(ROOT / "setup.cfg")
 WITHOUT_REASON = re.compile(r"# type: ignore(?!\[[\w, -]+\]  # \w)|# mypy:")
 CALLS = """
-import ev_sim
+import ev_stack
 
-result = ev_sim.run("shchur2019", seed=2, set={"driver.seed": 3})
+result = ev_stack.run("shchur2019", seed=2, set={"driver.seed": 3})
 reveal_type(result.metrics)
-reveal_type(ev_sim.batch("shchur2019").failed)
-ev_sim.run("shchur2019", seed="two")
-ev_sim.Simulation("shchur2019", veihcle="audi_a2")
+reveal_type(ev_stack.batch("shchur2019").failed)
+ev_stack.run("shchur2019", seed="two")
+ev_stack.Simulation("shchur2019", veihcle="audi_a2")
 """
 
 
@@ -50,7 +50,7 @@ def test_a_program_that_calls_the_packages_gets_their_types(tmp_path: Path):
     command = [sys.executable, "-m", "mypy", "--cache-dir", str(ROOT / ".mypy_cache" / "program"), str(program)]
     found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True).stdout
     assert re.findall(r"program.py:\d+: (.*)", found)[:4] == [
-        'note: Revealed type is "typing.Mapping[str, ev_sim.measures.metric.Metric]"',
+        'note: Revealed type is "typing.Mapping[str, ev_stack.measures.metric.Metric]"',
         'note: Revealed type is "typing.Mapping[int, str]"',
         'error: Argument "seed" to "run" has incompatible type "str"; expected "int | None"  [arg-type]',
         'error: Unexpected keyword argument "veihcle" for "Simulation"; did you mean "vehicle"?  [call-arg]',
@@ -59,11 +59,11 @@ def test_a_program_that_calls_the_packages_gets_their_types(tmp_path: Path):
 
 def test_the_types_of_the_interface_are_those_of_what_is_imported():
     """The stub beside `__init__.py` names the same modules, so a checker sees what a program gets."""
-    stub = ast.parse(Path(ev_sim.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
+    stub = ast.parse(Path(ev_stack.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
-    assert {each.name: node.module for node in imports for each in node.names} == ev_sim._MODULES
+    assert {each.name: node.module for node in imports for each in node.names} == ev_stack._MODULES
     (listed,) = (node.value for node in stub.body if isinstance(node, ast.Assign))
-    assert ast.literal_eval(listed) == ev_sim.__all__
+    assert ast.literal_eval(listed) == ev_stack.__all__
 
 
 def test_every_ignored_line_says_which_error_and_why():

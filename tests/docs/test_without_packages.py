@@ -12,7 +12,7 @@ WITHOUT = """
 import sys
 left_out = sys.argv.pop(1)
 sys.path[:] = [folder for folder in sys.path if left_out not in folder]
-from ev_sim.commands.ev_stack import main
+from ev_stack.commands.program import main
 main()
 """
 
@@ -23,7 +23,7 @@ def ev_stack(left_out: str, *words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True)
 
 
-@pytest.mark.parametrize("left_out", ["ev_study", "ev_doors", "ev_papers"])
+@pytest.mark.parametrize("left_out", ["ev_bench", "ev_study", "ev_doors", "ev_papers"])
 def test_what_remains_drives(left_out: str, tmp_path):
     words = ("run", "step_steer", "--run", "left", "--duration", "1", "--offline", "--no-record", "--no-report")
     driven = ev_stack(left_out, *words, "--out", str(tmp_path))

@@ -14,7 +14,7 @@ import release
 import yaml
 from catkin_pkg.package import parse_package
 
-import ev_sim
+import ev_stack
 from ev_msgs_py.packages import OURS
 
 ROOT = Path(__file__).parents[2]
@@ -35,8 +35,8 @@ def test_versions_agree():
     versions = {ElementTree.parse(ROOT / "src" / package / "package.xml").findtext("version") for package in PACKAGES}
     versions.update(re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE))
     versions.update(re.findall(r"^## \[(\d.*)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[:1])
-    assert versions == {ev_sim.__version__}
-    assert not any(ev_sim.__version__ in (ROOT / "src" / package / "setup.py").read_text() for package in PACKAGES)
+    assert versions == {ev_stack.__version__}
+    assert not any(ev_stack.__version__ in (ROOT / "src" / package / "setup.py").read_text() for package in PACKAGES)
 
 
 def test_entries_of_the_changelog_are_short():
@@ -238,7 +238,7 @@ def test_every_page_is_in_the_site():
 @pytest.mark.slow
 def test_the_python_of_the_environment_knows_the_packages_by_itself():
     """As the kernel of a notebook, which nobody has sourced anything for."""
-    said = "import ev_sim, ev_control, ev_msgs_py; print(ev_sim.run.__name__)"
+    said = "import ev_stack, ev_control, ev_msgs_py; print(ev_stack.run.__name__)"
     found = subprocess.run([sys.executable, "-E", "-c", said], cwd="/", check=True, capture_output=True, text=True)
     assert found.stdout == "run\n"
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ev_sim.batches.batch import BatchResult, batch
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.batches.batch import BatchResult, batch
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 PERIOD = 0.02  # [s] of the samples
 

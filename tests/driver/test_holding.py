@@ -14,8 +14,8 @@ from ev_core.vehicle.car import car_numbers
 from ev_core.vehicle.description import Vehicle
 from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.plant.planar.planar_state import VX
-from ev_sim.recording.offline import run_offline
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 CARS = sorted(path.stem for path in (Path(__file__).parents[2] / "config" / "vehicles").glob("*.yaml"))
 FEET = SpeedControlParameters()

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-import ev_sim
+import ev_stack
 
 FILE = Path(__file__).parents[2] / "benchmarks" / "lane_change.py"
 
@@ -60,4 +60,4 @@ def test_the_car_turns_about_as_fast_as_its_line_bends():
     With its centre of mass held on a line a car is free to swing: omega^2 = L C_r/J_z, damped by zeta = omega b/(2 V),
     0.31 at 80 km/h. A driver who holds the line too firmly, or does not know how late his wheels turn, makes it swing.
     """
-    assert 0.16 < ev_sim.run("double_lane_change").metrics["peak_yaw_rate"].value < 0.23
+    assert 0.16 < ev_stack.run("double_lane_change").metrics["peak_yaw_rate"].value < 0.23

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures.laps import laps_begun, leaves, line_of
-from ev_sim.measures.registry import METRICS, DrivenRun, driven_run
-from ev_sim.recording.offline import run_offline, true_motion
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.measures.laps import laps_begun, leaves, line_of
+from ev_stack.measures.named import DrivenRun, driven_run
+from ev_stack.measures.registry import METRICS
+from ev_stack.recording.offline import run_offline, true_motion
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 
 def driven(duration: float | None = None, vehicle: str | None = None, **values: object) -> DrivenRun:

@@ -22,8 +22,8 @@ from ev_sim.driver.path import (
     planned_speed,
     speed_plan,
 )
-from ev_sim.recording.offline import run_offline
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 P = SpeedPlanParameters()
 NUMBERS: Any = SimpleNamespace(**number_tree(P))

@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
+from ev_bench.inverter.device import Inverter, InverterParameters
+from ev_bench.inverter.power_stage import advance_torque
 from ev_core.vehicle.losses import loss_power
 from ev_core.vehicle.motor import Motor, Winding
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
 from ev_msgs_py.can.frames import TORQUE_MODE
 from ev_sim.drives.synchronous_motor import phase_values, torque_per_current, voltage_limited_torque, weakening_loss
-from ev_sim.inverter.device import Inverter, InverterParameters
-from ev_sim.inverter.power_stage import advance_torque
 
 VOLTAGE = 659.2  # 206 cells at 3.2 V
 LAZY = Winding(inductance=3e-5)  # psi > L I: its speed has an end

@@ -21,8 +21,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import InertialMeasurement
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.running.node_process import command
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.running.node_process import command
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 REAR = ("rear_left", "rear_right")
 CAR = Vehicle(wheelbase=2.7, front_track=1.5, rear_track=1.6, wheel_radius=0.32)

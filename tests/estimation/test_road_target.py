@@ -7,11 +7,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.surfaces import SURFACES
 from ev_sim.tyres.curve import peak_slip
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 
 @cache

@@ -13,7 +13,7 @@ import pytest
 from ev_core.compiling.object_symbols import calls
 from ev_core.compiling.other_processors import X86_64_LINUX
 from ev_doors.export import targets
-from ev_sim.commands.ev_stack import perform
+from ev_stack.commands.program import perform
 
 LAW = ["export", "shchur2019", "--only", "driver"]
 LINUX = ["--target", "x86_64-linux"]

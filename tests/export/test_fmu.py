@@ -16,12 +16,12 @@ from fmpy.validation import validate_fmu
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-import ev_sim
+import ev_stack
 from ev_doors.export import targets
 from ev_doors.export.fmu import TARGETS as FMU_TARGETS
 from ev_doors.export.fmu import VERSIONS, base_unit, place
 from ev_doors.export.targets import TARGETS
-from ev_sim.commands.ev_stack import perform
+from ev_stack.commands.program import perform
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "couple_fmus.py"
 IMPORTER = Path(__file__).with_name("importer.c")
@@ -38,7 +38,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def plain():
-    return ev_sim.run("shchur2019", set=CHANGED, duration=DURATION).signals
+    return ev_stack.run("shchur2019", set=CHANGED, duration=DURATION).signals
 
 
 @pytest.fixture(scope="module")
@@ -195,7 +195,7 @@ def test_car_and_law_coupled_in_a_bare_python_are_the_plain_run(made, plain, tmp
 
 
 def test_a_parameter_that_is_set_before_the_start_is_that_of_another_plain_run(whole, plain):
-    other = ev_sim.run("shchur2019", set={**CHANGED, GAIN: 500.0}, duration=DURATION).signals
+    other = ev_stack.run("shchur2019", set={**CHANGED, GAIN: 500.0}, duration=DURATION).signals
     assert not same_bits(other[TORQUE], plain[TORQUE])
     one = Instance(whole, begins=False)
     one.set([GAIN], [500.0])

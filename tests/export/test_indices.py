@@ -10,7 +10,7 @@ import pytest
 from ev_doors.export.content import Content
 from ev_doors.export.program import Program, build_program
 from ev_doors.export.targets import TARGETS
-from ev_sim.interface.driving import only_run, overrides
+from ev_stack.interface.driving import only_run, overrides
 
 LAW = '''
 from dataclasses import dataclass

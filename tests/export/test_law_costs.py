@@ -11,7 +11,7 @@ from documentation import law_costs
 from ev_doors.export.content import Content
 from ev_doors.export.on_processor import with_processors
 from ev_doors.export.targets import TARGETS
-from ev_sim.recording.offline import run_offline
+from ev_stack.recording.offline import run_offline
 
 PAGE = Path(__file__).parents[2] / law_costs.NATIVE
 ROLE, LAW = "electronic_differential", "power_steering"

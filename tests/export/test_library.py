@@ -21,8 +21,8 @@ from ev_doors.export.program import Program, build_program
 from ev_doors.export.targets import TARGETS
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.interface.driving import only_run, overrides
-from ev_sim.interface.simulation import SteppedLaw
+from ev_stack.interface.driving import only_run, overrides
+from ev_stack.interface.simulation import SteppedLaw
 
 ROLE = "driver"  # with a state, and quick to compile
 STEPS = 60

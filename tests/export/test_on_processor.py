@@ -12,10 +12,10 @@ from ev_doors.export import on_processor, program
 from ev_doors.export.on_processor import with_processors
 from ev_doors.export.targets import TARGETS
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.ev_stack import perform
-from ev_sim.interface.driving import only_run, overrides
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import signal_hash
+from ev_stack.commands.program import perform
+from ev_stack.interface.driving import only_run, overrides
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import signal_hash
 
 SECONDS = 0.5
 # A law of each source, and a time [s] by which it has answered otherwise than at the start. Those compile quickly that

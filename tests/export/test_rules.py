@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from ev_doors.export.content import Content, Tunable
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.interface.driving import only_run, overrides
-from ev_sim.scenarios.scenario import Run, load_scenario, scenario_names
+from ev_stack.interface.driving import only_run, overrides
+from ev_stack.scenarios.scenario import Run, load_scenario, scenario_names
 
 _LARGE = 1e6  # in the place of a bound that there is not
 

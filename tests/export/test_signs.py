@@ -17,9 +17,9 @@ from ev_doors.export.program import Program, build_program
 from ev_doors.export.targets import TARGETS
 from ev_msgs_py.contract.fields import NEGLIGIBLE
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.ev_stack import perform
-from ev_sim.interface.driving import only_run, overrides
-from ev_sim.interface.simulation import SteppedLaw
+from ev_stack.commands.program import perform
+from ev_stack.interface.driving import only_run, overrides
+from ev_stack.interface.simulation import SteppedLaw
 
 pytestmark = pytest.mark.slow
 

@@ -10,7 +10,7 @@ import pytest
 from documentation.hashes import HASHES, published_hashes
 from documentation.processors import DRIVEN, hash_on
 from ev_doors.export.targets import TARGETS
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.scenarios.scenario import load_scenario
 
 PUBLISHED = published_hashes((Path(__file__).parents[2] / HASHES).read_text())
 RUNS = (("shchur2019", "shchur2019"), ("shchur2019_steps", "object"), ("steer_by_wire", "by_wire"))

@@ -10,9 +10,9 @@ import pytest
 
 from ev_core.elementary import cos
 from ev_sim.drives.brushless_motor import torque_share
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 CAR = "step_steer"
 GONE = 1e-3  # [N m], of hundreds: 90 ms after it, 18 lags of the motor

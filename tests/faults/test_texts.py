@@ -10,7 +10,7 @@ from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.parts import compiled_parts, hand_over, part_of
 from ev_msgs_py.contract.frame import Frame, channels, places
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 
 def test_a_text_in_full():

@@ -9,10 +9,10 @@ import pytest
 from fake_network import FakeNetwork, Faults
 
 from ev_core.lockstep.configuration import Configuration
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording, signal_hash
-from ev_sim.running.processes import run_in_process, run_in_processes
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording, signal_hash
+from ev_stack.running.processes import run_in_process, run_in_processes
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 
 FAULTS = {
     "plant": [

@@ -11,11 +11,11 @@ from fuzz.fuzzing import assert_one_line, damaged, fuzzed, spoil
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_control.inverter_gateway.gateway import GatewayParameters
-from ev_control.inverter_gateway.station import GatewayStation
-from ev_core.bus.checking import TOLERANCES, WRONG_CRC, CheckState, check
-from ev_core.bus.parameters import EV_BENCH, load_database
-from ev_core.bus.socketcand_hub import HOST, SocketcandHub
+from ev_bench.bus.checking import TOLERANCES, WRONG_CRC, CheckState, check
+from ev_bench.bus.parameters import EV_BENCH, load_database
+from ev_bench.bus.socketcand_hub import HOST, SocketcandHub
+from ev_bench.inverter_gateway.gateway import GatewayParameters
+from ev_bench.inverter_gateway.station import GatewayStation
 from ev_core.parameters.data_file import find_in_config
 from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.payload import COUNTERS, are_words, extracted, inserted, joined, protected, words

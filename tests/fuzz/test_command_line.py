@@ -10,10 +10,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.command_line.offered_commands import offered_commands
-from ev_sim.command_line.options import arguments, overrides, own_nodes
-from ev_sim.commands import ev_stack
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.command_line.offered_commands import offered_commands
+from ev_stack.command_line.options import arguments, overrides, own_nodes
+from ev_stack.commands import program
+from ev_stack.scenarios.scenario import load_scenario
 from ev_study.studies.run_study import arguments as study_arguments
 from ev_study.studies.run_study import study_cases
 from ev_study.studies.study import study_named
@@ -76,4 +76,4 @@ def test_the_words_of_a_sweep(words):
 @fuzzed(12, 0.5)
 @given(words=st.lists(_texts.filter(lambda text: text not in offered_commands().commands), max_size=3))
 def test_unknown_commands(words):
-    refused(lambda: ev_stack.perform(words))
+    refused(lambda: program.perform(words))

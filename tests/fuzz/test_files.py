@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 
 from ev_core.parameters.data_file import RecordingError, config_folders
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.report import read_folder
 from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
-from ev_sim.recording.recording import Recording, load, save
-from ev_sim.scenarios.parameter_file import ParameterFile
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.commands.report import read_folder
+from ev_stack.recording.recording import Recording, load, save
+from ev_stack.scenarios.parameter_file import ParameterFile
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 CONFIG = config_folders()[-1]
 YAML = sorted(path for kind in ("scenarios", "vehicles", "surfaces") for path in (CONFIG / kind).glob("*.yaml"))

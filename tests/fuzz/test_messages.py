@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.wire import MessageError, format_of, stamp_of
-from ev_sim.recording.spool import MessageTable
+from ev_stack.recording.spool import MessageTable
 
 signals = st.sampled_from([signal for signal, topic in TOPICS.items() if topic.channels])
 

@@ -15,7 +15,7 @@ from ev_core.methods.register import CommonParameters, all_methods
 from ev_core.parameters.declaration import Entry, entries
 from ev_core.parameters.values import ACCEPTED, check, number_of
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.measures.own_metrics import named_metric
+from ev_stack.measures.own_metrics import named_metric
 
 METHODS = [(role, name) for role, methods in all_methods().items() for name in methods]
 ENTRIES: dict[tuple[str, str], tuple[Entry, ...]] = {}

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_core.compiling.user_cache import cache_folder
 from ev_msgs_py.packages import OURS
 
 ROOT = Path(__file__).parents[2]
 NOTEBOOK = ROOT / "docs" / "examples" / "shchur2019.ipynb"
-OWN = ("ev_msgs_py", "ev_core", "ev_control", "ev_sim")
+OWN = ("ev_msgs_py", "ev_core", "ev_nodes", "ev_control", "ev_sim", "ev_stack")
 
 
 def needed(name: str) -> set[str]:
@@ -62,7 +62,7 @@ def test_wheels_and_the_notebook_need_nothing_else(tmp_path):
     assert files_below(ROOT / "config", "ev_sim/config") <= held["ev_sim"]
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", bare], check=True)
     (site,) = bare.glob("lib/python*/site-packages")
-    for name in needed("ev_sim") - set(OWN):
+    for name in needed("ev_stack") - set(OWN):
         for top in tops(name):
             if not (site / top.name).exists():
                 (site / top.name).symlink_to(top)
@@ -90,7 +90,7 @@ def test_wheels_and_the_notebook_need_nothing_else(tmp_path):
     clean = {"PATH": f"{bare}/bin:/usr/bin:/bin", "HOME": str(tmp_path), "EV_STACK_CACHE": str(cache_folder())}
     shown = subprocess.run([python, "-c", text], capture_output=True, text=True, cwd=tmp_path, env=clean)
     assert shown.returncode == 0, shown.stderr
-    assert shown.stdout.split() == [ev_sim.run("shchur2019").hash]
+    assert shown.stdout.split() == [ev_stack.run("shchur2019").hash]
     refused = subprocess.run(
         [bare / "bin" / "ev-stack", "run", "shchur2019"], capture_output=True, text=True, env=clean
     )

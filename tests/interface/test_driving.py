@@ -1,4 +1,4 @@
-"""ev_sim.run and ev_sim.batch: what a notebook calls."""
+"""ev_stack.run and ev_stack.batch: what a notebook calls."""
 
 from __future__ import annotations
 
@@ -12,19 +12,20 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import ev_sim
+import ev_sim as before
+import ev_stack
 from ev_doors.learning.environment import Environment
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.observer import last
-from ev_sim.commands.run_scenario import main
-from ev_sim.interface.driving import overrides
-from ev_sim.recording.recording import load, signal_hash
+from ev_stack.batches.observer import last
+from ev_stack.commands.run_scenario import main
+from ev_stack.interface.driving import overrides
+from ev_stack.recording.recording import load, signal_hash
 
 
 @pytest.fixture(scope="module")
 def result():
     changed = {"electronic_differential.gamma": 4.0, "*.control_period": 0.02}
-    return ev_sim.run("shchur2019", method={"asr": "off"}, set=changed, seed=3, duration=1.0)
+    return ev_stack.run("shchur2019", method={"asr": "off"}, set=changed, seed=3, duration=1.0)
 
 
 @pytest.mark.slow
@@ -52,24 +53,33 @@ def test_signals_are_arrays_over_time(result):
 
 def test_everything_that_a_program_calls_is_listed_before_it_is_imported():
     """In a Python of its own: here all of it is imported already."""
-    code = "import sys, ev_sim; print(*dir(ev_sim)); assert 'ev_sim.interface' not in sys.modules"
+    code = "import sys, ev_stack; print(*dir(ev_stack)); assert 'ev_stack.interface' not in sys.modules"
     shown = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split()
     assert {"run", "batch", "Simulation", "Result", "BatchResult", "ParameterError", "SignalError"} <= {*shown}
-    assert all(hasattr(ev_sim, name) for name in shown)
-    assert sorted(ev_sim.__all__) == [name for name in shown if not name.startswith("_")]
+    assert all(hasattr(ev_stack, name) for name in shown)
+    assert sorted(ev_stack.__all__) == [name for name in shown if not name.startswith("_")]
+    with pytest.raises(AttributeError, match=r"^module 'ev_stack' has no attribute 'runs'$"):
+        _ = ev_stack.runs
+
+
+def test_what_has_moved_from_ev_sim_is_there_with_one_line():
+    with pytest.warns(FutureWarning, match=r"^ev_sim\.run is ev_stack\.run now: import ev_stack$"):
+        assert before.run is ev_stack.run
     with pytest.raises(AttributeError, match=r"^module 'ev_sim' has no attribute 'runs'$"):
-        _ = ev_sim.runs
+        _ = before.runs
 
 
 def test_a_run_and_its_metrics_take_what_is_compiled_without_the_compiler():
     """Whose import takes longer than the run: one metric alone had it imported again."""
-    lane_change = ev_sim.run("double_lane_change", duration=0.1)
+    lane_change = ev_stack.run("double_lane_change", duration=0.1)
     assert lane_change.metrics["course_passed"].reason  # a Python of its own finds all of it compiled
-    code = "import sys, ev_sim; ev_sim.run('double_lane_change', duration=0.1).metrics; print('numba' in sys.modules)"
+    code = (
+        "import sys, ev_stack; ev_stack.run('double_lane_change', duration=0.1).metrics; print('numba' in sys.modules)"
+    )
     assert subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout == "False\n"
 
 
-@pytest.mark.parametrize("call", [ev_sim.run, ev_sim.batch, ev_sim.Simulation, Environment])
+@pytest.mark.parametrize("call", [ev_stack.run, ev_stack.batch, ev_stack.Simulation, Environment])
 def test_what_may_be_changed_can_be_completed(call):
     """The same words in every call, all by name, each with its type."""
     found = inspect.signature(call).parameters
@@ -102,12 +112,12 @@ def test_a_data_frame_has_the_units_of_its_columns(result, monkeypatch):
 def test_a_data_frame_needs_pandas(result, monkeypatch):
     """It is no requirement of the packages, but an extra, which the error names."""
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(ImportError, match=r"pip install .ev_sim\[frame\]"):
+    with pytest.raises(ImportError, match=r"pip install .ev_stack\[frame\]"):
         result.data_frame()
 
 
 def test_of_several_runs_one_is_named():
-    both = ev_sim.run("shchur2019_steps", runs=("object", "hold_manual"), duration=0.02)
+    both = ev_stack.run("shchur2019_steps", runs=("object", "hold_manual"), duration=0.02)
     assert list(both.runs) == ["object", "hold_manual"]
     with pytest.raises(
         ParameterError, match=r"^shchur2019_steps has several runs: runs\[NAME\] of object, hold_manual$"
@@ -121,7 +131,7 @@ def test_a_scenario_of_ones_own_brings_its_metrics(tmp_path):
     path.write_text(
         f"/**/scenario:\n  ros__parameters: {about}\n/**/plant:\n  ros__parameters: {{initial_speed: 5.0}}\n"
     )
-    found = ev_sim.run(path).metrics
+    found = ev_stack.run(path).metrics
     assert found["v"].value == found["final_speed"].value != 0.0
     assert found["v"].unit == "m/s"
 
@@ -129,14 +139,14 @@ def test_a_scenario_of_ones_own_brings_its_metrics(tmp_path):
 def test_a_batch_is_the_runs_one_by_one():
     speeds = [2.0, 8.0]
     end = {"end": last("twist.longitudinal")}
-    found = ev_sim.batch("shchur2019", vary={"plant.initial_speed": speeds}, metrics=end, duration="200 ms")
+    found = ev_stack.batch("shchur2019", vary={"plant.initial_speed": speeds}, metrics=end, duration="200 ms")
     assert repr(found) == "BatchResult of end (2,); 0 failed"
     assert (
         repr(replace(found, metrics={}))
         == "BatchResult of nothing, as neither metrics nor signals were named; 0 failed"
     )
     for i, speed in enumerate(speeds):
-        alone = ev_sim.run("shchur2019", set={"plant.initial_speed": speed}, duration=0.2)
+        alone = ev_stack.run("shchur2019", set={"plant.initial_speed": speed}, duration=0.2)
         assert found.metrics["end"][i] == alone.signals["twist.longitudinal"][-1] != 0.0
 
 
@@ -153,7 +163,7 @@ def test_a_batch_is_the_runs_one_by_one():
 )
 def test_what_is_refused_is_one_line(changed, said):
     with pytest.raises(ParameterError) as error:
-        ev_sim.run("shchur2019", **changed)
+        ev_stack.run("shchur2019", **changed)
     assert str(error.value).startswith(said)
     assert "\n" not in str(error.value)
 
@@ -161,11 +171,11 @@ def test_what_is_refused_is_one_line(changed, said):
 @pytest.mark.parametrize(
     "call",
     [
-        lambda: ev_sim.run("a\0.yaml"),
-        *(lambda name=name: ev_sim.run("shchur2019", **{name: "a\0.csv"}) for name in ("vehicle", "cycle")),
-        lambda: ev_sim.run("shchur2019", params=["a\0.yaml"]),
-        *(lambda end=end: ev_sim.run("shchur2019", method={"asr": f"a\0{end}"}) for end in (".py", ".so", ".npz")),
-        lambda: ev_sim.run("shchur2019", duration=0.05).save("/tmp/a\0b"),
+        lambda: ev_stack.run("a\0.yaml"),
+        *(lambda name=name: ev_stack.run("shchur2019", **{name: "a\0.csv"}) for name in ("vehicle", "cycle")),
+        lambda: ev_stack.run("shchur2019", params=["a\0.yaml"]),
+        *(lambda end=end: ev_stack.run("shchur2019", method={"asr": f"a\0{end}"}) for end in (".py", ".so", ".npz")),
+        lambda: ev_stack.run("shchur2019", duration=0.05).save("/tmp/a\0b"),
     ],
 )
 def test_a_null_byte_in_a_path_is_one_line(call):

@@ -16,17 +16,17 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import ev_doors.learning
-import ev_sim
+import ev_stack
 from ev_core.methods.register import methods_of
 from ev_core.parameters.data_file import files_in_config
 from ev_doors.learning.environment import ACTIONS, Environment
 from ev_doors.learning.limits import limits
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.interface.simulation import Simulation
-from ev_sim.recording.offline import written_topics
-from ev_sim.recording.recording import signal_hash
-from ev_sim.scenarios.about import vehicle_of
+from ev_stack.interface.simulation import Simulation
+from ev_stack.recording.offline import written_topics
+from ev_stack.recording.recording import signal_hash
+from ev_stack.scenarios.about import vehicle_of
 from ev_study.commands.benchmark import run_benchmark
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "random_agent.py"
@@ -132,7 +132,7 @@ def test_who_acts_like_the_law_gets_the_bits_of_the_plain_run(action, role, meth
     over = False
     while not over:
         _, _, _, over, info = environment.step(info["own"])
-    plain = ev_sim.run("double_lane_change", **changed)
+    plain = ev_stack.run("double_lane_change", **changed)
     assert signal_hash(environment.simulation.recording) == signal_hash(next(iter(plain.runs.values())))
 
 
@@ -151,7 +151,7 @@ def test_who_acts_like_any_traction_control_gets_the_bits_of_the_plain_run_or_on
         assert f"asr method {method} writes torque_command.drive." in str(error)
         return
     assert method not in BRAKES_BY_DRIVES
-    plain = ev_sim.run("straight_brake_split_mu", runs=["steered"], seed=1, **changed)
+    plain = ev_stack.run("straight_brake_split_mu", runs=["steered"], seed=1, **changed)
     assert signal_hash(environment.simulation.recording) == signal_hash(plain.runs["steered"])
 
 

@@ -1,4 +1,4 @@
-"""ev_sim.Simulation: a loop of one's own around the car gives what the same law gives inside."""
+"""ev_stack.Simulation: a loop of one's own around the car gives what the same law gives inside."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import ev_sim
+import ev_stack
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.interface.driving import only_run, overrides
-from ev_sim.recording.recording import signal_hash
+from ev_stack.interface.driving import only_run, overrides
+from ev_stack.recording.recording import signal_hash
 
 NOISE = {"plant.sensors.imu_yaw_rate.noise": 0.01}
 STEPS = 60
 
 
-def simulation(**more) -> ev_sim.Simulation:
-    return ev_sim.Simulation("double_lane_change", set={**NOISE, "plant.initial_speed": 15.0}, **more)
+def simulation(**more) -> ev_stack.Simulation:
+    return ev_stack.Simulation("double_lane_change", set={**NOISE, "plant.initial_speed": 15.0}, **more)
 
 
 def equal_torques(frame) -> dict[str, float]:
@@ -38,7 +38,7 @@ def equal_torques(frame) -> dict[str, float]:
 def inside():
     changed = {**NOISE, "plant.initial_speed": 15.0}
     chosen = {"electronic_differential": "equal_torque"}
-    return ev_sim.run("double_lane_change", method=chosen, set=changed, duration=(STEPS - 1) * 0.01)
+    return ev_stack.run("double_lane_change", method=chosen, set=changed, duration=(STEPS - 1) * 0.01)
 
 
 def test_ones_own_torque_split_gives_the_bits_of_the_built_in_one(inside):
@@ -53,10 +53,10 @@ def test_ones_own_torque_split_gives_the_bits_of_the_built_in_one(inside):
 def test_a_fault_of_the_plant_strikes_at_the_instants_of_a_run():
     """The plant writes the next instant, and so does the fault behind it: one period late is another signal."""
     changed = {**NOISE, "plant.initial_speed": 15.0, "plant.faults": ["constant imu.yaw_rate 0.5 from 0.1 until 0.2"]}
-    car = ev_sim.Simulation("double_lane_change", set=changed)
+    car = ev_stack.Simulation("double_lane_change", set=changed)
     for _ in range(30):
         car.step()
-    run = ev_sim.run("double_lane_change", set=changed, duration=0.29)
+    run = ev_stack.run("double_lane_change", set=changed, duration=0.29)
     assert signal_hash(car.recording) == signal_hash(next(iter(run.runs.values())))
 
 
@@ -72,7 +72,7 @@ def test_ones_own_driver_and_column_are_told_what_they_do(inside):
 
 def test_ones_own_traction_control_sets_the_speeds_of_drives_in_speed_mode():
     """What the law that is left out would have written can be given: torques, and here the speeds as well."""
-    outside = ev_sim.Simulation(
+    outside = ev_stack.Simulation(
         "double_lane_change",
         without=("asr",),
         method={"plant": "planar_speed_mode", "asr": "speed_by_slip"},
@@ -138,7 +138,7 @@ def test_any_configuration_goes_on_from_any_instant_with_the_same_bits(
         "plant.sensors.wheel_speed.delay": delay,
     }
     first, second = (
-        ev_sim.Simulation(scenario, without, PLANAR.get(scenario, ""), record=False, set=changed) for _ in range(2)
+        ev_stack.Simulation(scenario, without, PLANAR.get(scenario, ""), record=False, set=changed) for _ in range(2)
     )
     first.reset(seed)
     for _ in range(steps):
@@ -166,8 +166,10 @@ def test_any_configuration_goes_on_from_any_instant_with_the_same_bits(
 def test_a_state_that_does_not_fit_is_refused_and_nothing_changes(other, said):
     """It was taken without a word, or left half of it behind in a KeyError."""
     method = {"electronic_differential": "power_steering"}
-    car, same = (ev_sim.Simulation("double_lane_change", method=method, set=NOISE, record=False) for _ in range(2))
-    saved = ev_sim.Simulation("double_lane_change", **{"method": method, "set": NOISE, "record": False, **other}).state
+    car, same = (ev_stack.Simulation("double_lane_change", method=method, set=NOISE, record=False) for _ in range(2))
+    saved = ev_stack.Simulation(
+        "double_lane_change", **{"method": method, "set": NOISE, "record": False, **other}
+    ).state
     with pytest.raises(ParameterError) as error:
         car.state = saved
     assert str(error.value).startswith(said) and "\n" not in str(error.value)
@@ -233,9 +235,9 @@ def test_other_inputs_are_refused_and_nothing_is_done(inputs, said):
 def test_a_configured_run_is_driven_as_it_is(changed):
     """What differs has been said when it was configured; it was left out without a word."""
     run = only_run("shchur2019_steps", "object", overrides(duration=0.1))
-    assert ev_sim.Simulation(run).duration == 0.1
+    assert ev_stack.Simulation(run).duration == 0.1
     with pytest.raises(ParameterError, match=r"^run object is configured already, expected a name or path with"):
-        ev_sim.Simulation(run, **changed)
+        ev_stack.Simulation(run, **changed)
 
 
 def test_an_unknown_role_is_refused():

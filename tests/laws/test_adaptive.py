@@ -9,7 +9,7 @@ from differentials import DISSERTATION, Differential, Motion, on
 from hypothesis import given
 from hypothesis import strategies as st
 
-import ev_sim
+import ev_stack
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 
@@ -141,7 +141,7 @@ def test_the_switch_turns_to_the_other_mode_at_its_time():
     much in the mean (5 %, for the ASR of the left one swings, which is half as much again at the most); off it, and
     from the switch on, it gets its 750 N m less the gear.
     """
-    runs = {name: run.channels for name, run in ev_sim.run("road_off_road").runs.items()}
+    runs = {name: run.channels for name, run in ev_stack.run("road_off_road").runs.items()}
     left, right = ({n: c[f"wheel_states.effort.front_{side}"] for n, c in runs.items()} for side in ("left", "right"))
     settled, switch = 300, 800  # 1.5 s and 4 s
     for name, part in (("road", slice(settled, None)), ("switched", slice(settled, switch))):

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from traction import METHODS, SPEED_MODE, Control, Measured
 
-import ev_sim
+import ev_stack
 from ev_core.parameters.data_file import files_in_config
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_sim.measures.metric import channel
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.measures.metric import channel
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 CARS = sorted(files_in_config("vehicles"))
 PERIOD = 0.01
@@ -71,7 +71,7 @@ def starts(vehicle: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     lever = of.mass * 9.81 * of.wheel_radius
     pedals = [[share * lever * math.copysign(1.0, begin)] for begin, share in STARTS]
     topics = ("torque_request.drive", "torque_command.drive", "tire_forces.slip_ratio")
-    found = ev_sim.batch(
+    found = ev_stack.batch(
         "launch_split_mu",
         {"plant.initial_speed": [begin for begin, _ in STARTS], "driver.pedals.drive_torque": pedals},
         run="fixed_steering",
@@ -94,7 +94,7 @@ def starts(vehicle: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 @pytest.mark.slow
 def test_a_car_with_four_driven_wheels_drives_from_the_first_instant():
     """In a lane change at 80 km/h all of the torque is there, where an observer from 0 m/s took 4 s to let it pass."""
-    run = ev_sim.run("double_lane_change", vehicle="layout_1_8_c", method={"asr": "pi_slip"}, duration=1.0)
+    run = ev_stack.run("double_lane_change", vehicle="layout_1_8_c", method={"asr": "pi_slip"}, duration=1.0)
     for of in run.runs.values():
         for wheel in WHEEL_NAMES:
             asked, given = (channel(of, f"{topic}.drive.{wheel}") for topic in ("torque_request", "torque_command"))

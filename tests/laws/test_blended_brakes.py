@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from traction import ROLE, Measured, swapped
 
-import ev_sim
+import ev_stack
 from ev_core.lockstep.finding import find_method
 from ev_core.methods.register import create
 from ev_core.parameters.values import build
@@ -164,7 +164,7 @@ def test_no_number_lets_all_pass():
 
 def test_brakes_that_the_plant_blends_are_refused():
     with pytest.raises(ParameterError, match="blend_brakes false"):
-        ev_sim.run("blended_brakes", runs=("drives",), set={"*.vehicle.blend_brakes": True})
+        ev_stack.run("blended_brakes", runs=("drives",), set={"*.vehicle.blend_brakes": True})
 
 
 OFFSETS = (-0.2, 0.2)  # of an accelerometer [m/s^2], as a slope of 2 % is one
@@ -180,7 +180,9 @@ def offset_run(offset: float, pedals: dict[str, list[float]], duration: float, g
         "plant.sensors.imu_acceleration.bias": offset,
     }
     named = {name.replace("__", "."): value for name, value in changed.items()}
-    return ev_sim.run("blended_brakes", runs=("drives",), duration=duration, set=values | named).runs["drives"].channels
+    return (
+        ev_stack.run("blended_brakes", runs=("drives",), duration=duration, set=values | named).runs["drives"].channels
+    )
 
 
 @pytest.mark.parametrize("offset", OFFSETS)
@@ -219,7 +221,7 @@ def test_on_split_friction_only_stability_keeps_the_car_on_its_path():
     With stability control it stays within 15 deg and 3 m and stops in 18 % less than with locked wheels; measured 10
     deg, 2.0 m, 78.8 m of 96.4 m. The bounds leave half as much again, and half of the gain.
     """
-    value = {name: metric.value for name, metric in ev_sim.run("blended_brakes").metrics.items()}
+    value = {name: metric.value for name, metric in ev_stack.run("blended_brakes").metrics.items()}
     assert value["stability_peak_yaw_deviation"] < math.radians(15.0)
     assert value["stability_peak_lateral_deviation"] < 3.0
     assert value["stability_stopping_distance"] < 0.91 * value["off_stopping_distance"]

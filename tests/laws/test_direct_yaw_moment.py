@@ -15,8 +15,8 @@ from ev_core.check.method import check_method
 from ev_msgs_py.contract.signals import SteeringColumnState
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.batch import batch
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.batches.batch import batch
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 LAW = "direct_yaw_moment"
 CAR = on(DISSERTATION, WHEEL_NAMES)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from lockstep.law_texts import FUNCTIONS, HEAD
 
-import ev_sim
+import ev_stack
 from ev_core.check.method import ContractError, check_method
 from ev_core.law import WheelTorqueCommand, WheelTorqueRequest
 from ev_core.lockstep.configuration import configure
@@ -97,7 +97,7 @@ def test_a_law_without_state_notes_and_changes_its_form(tmp_path):
     hand_over(forms[0], forms[1])
     hand_over(forms[1], forms[0])
     assert [len(part.state) for part in forms] == [0, 0]
-    assert len(ev_sim.run("shchur2019", method={"asr": str(file)}, duration=0.1).signals)
+    assert len(ev_stack.run("shchur2019", method={"asr": str(file)}, duration=0.1).signals)
 
 
 WINDOW = (

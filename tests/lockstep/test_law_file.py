@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from run_script import ENVIRONMENT, RUN
 
-import ev_sim
+import ev_stack
 from ev_core.check.method import ContractError, check_method
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.finding import find_method
@@ -44,8 +44,8 @@ def law_file(folder: Path, name: str = "share", share: str = "p.share") -> Path:
     return file
 
 
-def driven(file: Path, **how) -> ev_sim.Result:
-    return ev_sim.run("shchur2019", method={"asr": str(file)}, duration=1.0, **how)
+def driven(file: Path, **how) -> ev_stack.Result:
+    return ev_stack.run("shchur2019", method={"asr": str(file)}, duration=1.0, **how)
 
 
 @pytest.mark.slow
@@ -55,7 +55,7 @@ def test_a_law_is_chosen_by_the_path_of_its_file_offline_and_over_dds(tmp_path):
     file = law_file(tmp_path)
     signals = driven(file, set={"asr.share": 0.25}).signals
     assert (signals["torque_command.drive.front_left"] == 0.25 * signals["torque_request.drive.front_left"]).all()
-    off = ev_sim.run("shchur2019", duration=1.0).hash
+    off = ev_stack.run("shchur2019", duration=1.0).hash
     assert driven(file, set={"asr.share": 1.0}).hash == off
     words = [RUN, "shchur2019", "--no-record", "--no-report", "--duration", "1", "--method", f"asr={file}"]
     words += ["--set", "asr.share=1", "--out", str(tmp_path / "out")]
@@ -76,7 +76,7 @@ def test_what_is_edited_acts_at_once(tmp_path):
 def test_it_hides_no_built_in_law_of_its_name(tmp_path):
     """And what it imports is there for all as before."""
     known = methods_of("asr")
-    assert driven(law_file(tmp_path, "pi_slip")).hash != ev_sim.run("shchur2019", duration=1.0).hash
+    assert driven(law_file(tmp_path, "pi_slip")).hash != ev_stack.run("shchur2019", duration=1.0).hash
     assert methods_of("asr") == known
 
 
@@ -128,7 +128,7 @@ def test_no_file_of_data_may_name_one(tmp_path):
     for name in (law, f"{law}:share"):
         more.write_text(f"/**/asr:\n  ros__parameters:\n    method: {name}\n")
         with pytest.raises(ParameterError, match=r"is refused, allowed from a file is a name: .*code is named on the"):
-            ev_sim.run("shchur2019", params=[more], duration=0.1)
+            ev_stack.run("shchur2019", params=[more], duration=0.1)
 
 
 def test_what_is_not_there_is_refused(tmp_path):

@@ -14,8 +14,8 @@ from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.finding import find_method
 from ev_core.methods import register
 from ev_core.methods.register import all_methods, load_installed_methods, methods_of
-from ev_core.nodes.master.real_time import MasterParameters
 from ev_msgs_py.refusal import ParameterError
+from ev_nodes.master.real_time import MasterParameters
 
 HEAD = """
 from dataclasses import dataclass

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lockstep.law_texts import CLASS, COMPILED, FORMS, FUNCTIONS, HEAD, HOOKS, driven
 
-import ev_sim
+import ev_stack
 from ev_core.check.method import ContractError, check_method
 from ev_core.methods.law_error import LawError
 
@@ -161,7 +161,7 @@ def test_a_restart_of_a_class_without_a_setter_is_one_line(tmp_path):
     begin, end = CLASS.index("    @state.setter"), CLASS.index("    def step")
     file.write_text(HEAD + CLASS[:begin] + CLASS[end:])
     with pytest.raises(LawError, match=r"asr law mine: AttributeError: .*no setter"):
-        ev_sim.run("shchur2019", method={"asr": str(file)}, duration=0.3, set=RESTARTED)
+        ev_stack.run("shchur2019", method={"asr": str(file)}, duration=0.3, set=RESTARTED)
 
 
 def test_an_error_of_a_law_goes_to_other_processes(tmp_path):
@@ -169,6 +169,6 @@ def test_an_error_of_a_law_goes_to_other_processes(tmp_path):
     file = tmp_path / "my_law.py"
     file.write_text(HEAD + FUNCTIONS.replace("pass  # step", "1.0 / 0.0"))
     with pytest.raises(LawError) as refused:
-        ev_sim.run("shchur2019", method={"asr": str(file)}, duration=0.1)
+        ev_stack.run("shchur2019", method={"asr": str(file)}, duration=0.1)
     assert str(pickle.loads(pickle.dumps(refused.value))) == str(refused.value)
     assert isinstance(refused.value.__cause__, ZeroDivisionError)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from numba import njit
 from toy_methods import OFFERED, begun_at, toy, toy_graph
 
-from ev_core.compiling.machine_code import OPTIONS, register_functions
+from ev_core.compiling.machine_code import register_functions
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import sequence
 from ev_core.lockstep.inbox import (
@@ -46,9 +46,9 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.contract.stamps import RUN, RUNS
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import load_scenario
 
 PERIOD = 10_000_000
 OTHERS = tuple(role for role in REQUIRED if role != MASTER)
@@ -427,7 +427,7 @@ def test_realtime_takes_the_newest_complete_step_and_forgets_the_older():
 def compiled_inbox() -> Callable[[int, Steps, np.ndarray, np.ndarray], list[int]]:
     """What the protocol, compiled, makes of messages: of each what it is, and the inputs that are missing then."""
 
-    @njit(**OPTIONS)
+    @njit(error_model="numpy")
     def taken(steps, stamps, inputs):
         found = [(0, 0)]
         for stamp, i in zip(stamps, inputs):  # noqa: B905, compiled

@@ -18,7 +18,7 @@ from ev_core.lockstep.parts import is_compiled, part_of
 from ev_core.methods.register import all_methods
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands import compiling
+from ev_stack.commands import compiling
 
 # The longest law, and one that calls the compiler's own helpers (logarithms).
 LAWS = (("asr", "fuzzy"), ("asr", "pi_slip"))

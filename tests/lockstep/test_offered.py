@@ -9,8 +9,8 @@ import pytest
 from ev_core.methods import offered as module
 from ev_core.methods.offered import offered, offered_module
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.report.reports import report_for
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.report.reports import report_for
+from ev_stack.scenarios.scenario import load_scenario
 from ev_study.studies.study import study_named
 
 GROUP = "ev_stack.reports"
@@ -37,11 +37,11 @@ def offer(monkeypatch):
 
 def test_two_packages_do_not_share_a_name(offer):
     """Which of them a run would get hangs on the order of folders."""
-    offer("coast_down", "ev_sim.manoeuvres.coast_down")  # the same one, installed twice
+    offer("coast_down", "ev_stack.manoeuvres.coast_down")  # the same one, installed twice
     assert report_for("coast_down")
-    assert offered_module(GROUP, "report", "coast_down").__name__ == "ev_sim.manoeuvres.coast_down"
+    assert offered_module(GROUP, "report", "coast_down").__name__ == "ev_stack.manoeuvres.coast_down"
     offer("coast_down", "somebody.report")
-    said = r"^ev_stack\.reports 'coast_down' is offered by ev_sim\S+ and by somebody\.report, expected one$"
+    said = r"^ev_stack\.reports 'coast_down' is offered by ev_stack\S+ and by somebody\.report, expected one$"
     with pytest.raises(ParameterError, match=said):
         report_for("coast_down")
 
@@ -53,7 +53,7 @@ def test_what_does_not_load_is_one_line_and_harms_only_who_wants_it(offer):
     ):
         report_for("braking")
     assert report_for("hill_start")
-    assert offered_module(GROUP, "report", "hill_start").__name__ == "ev_sim.manoeuvres.hill_start"
+    assert offered_module(GROUP, "report", "hill_start").__name__ == "ev_stack.manoeuvres.hill_start"
     assert load_scenario("coast_down").runs
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_msgs_py.refusal import ParameterError
 
 DURATION = 0.5
@@ -16,18 +16,18 @@ TORQUE, BRAKE = "driver.command.drive_torque", "driver.command.brake_torque"
 
 
 @pytest.fixture(scope="module")
-def recorded() -> ev_sim.Result:
-    return ev_sim.run("shchur2019", duration=DURATION)
+def recorded() -> ev_stack.Result:
+    return ev_stack.run("shchur2019", duration=DURATION)
 
 
-def arrays_of(recorded: ev_sim.Result) -> dict[str, np.ndarray]:
+def arrays_of(recorded: ev_stack.Result) -> dict[str, np.ndarray]:
     return {"time": np.array(recorded.time), **{name: np.array(each) for name, each in recorded.signals.items()}}
 
 
-def played(folder: Path, arrays: dict[str, np.ndarray]) -> ev_sim.Result:
+def played(folder: Path, arrays: dict[str, np.ndarray]) -> ev_stack.Result:
     file = folder / "mine.npz"
     np.savez(file, **arrays)
-    return ev_sim.run("shchur2019", method={"driver": str(file)}, duration=DURATION)
+    return ev_stack.run("shchur2019", method={"driver": str(file)}, duration=DURATION)
 
 
 def test_it_plays_the_run_again(recorded, tmp_path):

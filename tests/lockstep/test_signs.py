@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import ev_sim
+import ev_stack
 from ev_core.check.method import ContractError, check_method
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.parts import part_of
@@ -118,8 +118,10 @@ def test_no_law_gives_a_negative_brake_torque(folder, role, form, number):
 
 
 WAYS: dict[str, Callable[..., Any]] = {
-    "offline": lambda law: ev_sim.run("double_lane_change", method={"asr": law}, set={"asr.here": -3.0}, duration=0.05),
-    "stepped": lambda law: ev_sim.Simulation("double_lane_change", method={"asr": law}, set={"asr.here": -3.0}),
+    "offline": lambda law: ev_stack.run(
+        "double_lane_change", method={"asr": law}, set={"asr.here": -3.0}, duration=0.05
+    ),
+    "stepped": lambda law: ev_stack.Simulation("double_lane_change", method={"asr": law}, set={"asr.here": -3.0}),
 }
 
 
@@ -137,7 +139,7 @@ SPEED = "twist.longitudinal"
 def test_a_run_of_a_batch_ends_alone(folder):
     law = {"asr": f"{law_file(folder, 'asr')}:compiled"}
     varied = {"asr.here": [0.0, -3.0, -1e-17]}
-    found = ev_sim.batch("double_lane_change", vary=varied, method=law, signals=[SPEED], duration=0.5)
+    found = ev_stack.batch("double_lane_change", vary=varied, method=law, signals=[SPEED], duration=0.5)
     assert [*found.failed] == [1]
     assert found.failed[1].endswith("WheelTorqueCommand.brake.rear_left is -3.0, expected 0 or more")
     assert (found.signals[SPEED][0] == found.signals[SPEED][2]).all()
@@ -166,7 +168,7 @@ BRAKE = "driver.command.brake_torque"
 
 @pytest.mark.parametrize("number", [-1e-17, 0.0, 3.0])
 def test_a_simulation_is_given_no_negative_brake_torque(number):
-    simulation = ev_sim.Simulation("double_lane_change", without=["driver"])
+    simulation = ev_stack.Simulation("double_lane_change", without=["driver"])
     with pytest.raises(ParameterError, match=rf"^input {BRAKE}: '?-0\.5'? is refused, expected 0 or more$"):
         simulation.step({"driver.command.drive_torque": 7.0, BRAKE: -0.5})
     simulation.step({"driver.command.drive_torque": 5.0, BRAKE: number})

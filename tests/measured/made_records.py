@@ -9,7 +9,7 @@ from pathlib import Path
 import coverage_of_intervals
 import numpy as np
 
-from ev_sim.recording.recording import Recording
+from ev_stack.recording.recording import Recording
 
 CAR, PERIOD = coverage_of_intervals.CAR, coverage_of_intervals.PERIOD
 CHANNELS = {

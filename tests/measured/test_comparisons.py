@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ev_sim.commands.run_scenario import main
+from ev_stack.commands.run_scenario import main
 from ev_study.measured.comparisons.comparison import FILE, declared
 from ev_study.measured.comparisons.planar_mechanics import SINGLE_TRACK, TWO_TRACK, equations_at_end, wheel_on_arm
 

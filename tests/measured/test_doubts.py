@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from measured.made_records import CAR, PERIOD, columns_of, driven, write
 
-from ev_sim.commands.run_scenario import main
-from ev_sim.scenarios.scenario import Overrides
+from ev_stack.commands.run_scenario import main
+from ev_stack.scenarios.scenario import Overrides
 from ev_study.measured.free_parameters import free_parameters
 from ev_study.measured.identification import FLOORS, Residuals, identify
 from ev_study.measured.identified import PARTS, Identified

@@ -9,7 +9,7 @@ import pytest
 from measured.made_records import CAR, columns_of, driven, write
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.commands.run_scenario import main
+from ev_stack.commands.run_scenario import main
 
 WHEELS = {wheel: f"wheel_states.velocity.{wheel}" for wheel in WHEEL_NAMES}
 KINEMATIC = "slip_angle_observer.kinematic_share=1.0"

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ev_sim.commands.run_scenario import main
-from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_stack.commands.run_scenario import main
+from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_study.measured.motor_map import fit_motor
 
 LOSSES = {

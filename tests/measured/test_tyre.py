@@ -12,8 +12,8 @@ from scipy.io import savemat
 from ev_core.vehicle.files import read_tyre
 from ev_core.vehicle.tyre import MF_NAMES, mf_tyres
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.run_scenario import main
 from ev_sim.tyres.mf_tyre import at_load, forces, is_plain
+from ev_stack.commands.run_scenario import main
 from ev_study.measured.magic_formula import Points, combined_lateral, combined_longitudinal
 from ev_study.measured.rig import read_rig
 from ev_study.measured.tyre_fit import FIXED

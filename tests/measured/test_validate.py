@@ -11,11 +11,11 @@ import pytest
 from measured.made_records import CAR, PERIOD, columns_of, driven, write
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.commands.run_scenario import main
-from ev_sim.recording.offline import run_offline
-from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios.about import configured_file
-from ev_sim.scenarios.scenario import Overrides
+from ev_stack.commands.run_scenario import main
+from ev_stack.recording.offline import run_offline
+from ev_stack.running.output_folder import OutputFolder
+from ev_stack.scenarios.about import configured_file
+from ev_stack.scenarios.scenario import Overrides
 from ev_study.measured.identified import CAR as CAR_FILE
 from ev_study.measured.replays.open_loop import graph
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ev_sim.figures.panels import motion_panels
-from ev_sim.manoeuvres import sine_with_dwell
-from ev_sim.measures import motion
-from ev_sim.recording.recording import Recording
+from ev_stack.figures.panels import motion_panels
+from ev_stack.manoeuvres import sine_with_dwell
+from ev_stack.measures import motion
+from ev_stack.recording.recording import Recording
 from ev_study.studies import compare
 from ev_study.studies.study import Case, drive_case
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.driver.off_path import distances_from
 from ev_sim.driver.path import PathParameters, path_of
-from ev_sim.manoeuvres.double_lane_change import is_over, passed
-from ev_sim.measures.course import Course
-from ev_sim.recording.recording import Recording
-from ev_sim.report.reports import report_for
+from ev_stack.manoeuvres.double_lane_change import is_over, passed
+from ev_stack.measures.course import Course
+from ev_stack.recording.recording import Recording
+from ev_stack.report.reports import report_for
 
 SLALOM = Course("Slalom", (0.0, 20.0), (10.0, 30.0), (0.0, -3.0), width_margin=(3.0, 3.0))
 ROAD = {"driver": {"path.x": [-10.0, 50.0], "path.y": [0.0, 0.0], "path.width": 8.0}}
@@ -83,7 +83,7 @@ def test_a_scenario_without_a_course_gets_no_foreign_cones(tmp_path):
         "/**/driver:\n  ros__parameters:\n    method: preview\n    speed_profile: {time: [0.0], speed: [22.2]}\n"
         "    path: {x: [-50.0, 10.0, 30.0, 100.0], y: [0.0, 0.0, 3.0, 3.0]}\n"
     )
-    result = ev_sim.run(tmp_path / "single_lane_change.yaml")
+    result = ev_stack.run(tmp_path / "single_lane_change.yaml")
     assert result.metrics["cones_hit"].verdict.startswith("not measured: the scenario has no course: ")
     assert result.metrics["peak_yaw_rate"].value > 0.0
     (axes,) = result.figures()["course"].axes

@@ -10,11 +10,11 @@ import pytest
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.own_metrics import listed, named_metric, named_metrics
-from ev_sim.measures.registry import DrivenRun
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.measures.metric import Metric
+from ev_stack.measures.named import DrivenRun
+from ev_stack.measures.own_metrics import listed, named_metric, named_metrics
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import load_scenario
 
 CAR = Vehicle(tyre=replace(Vehicle().tyre, coefficients=(0.9, 0.1, 0.0, 0.0)))
 TIME = np.arange(5) * 0.5

@@ -7,17 +7,17 @@ from functools import cache
 import numpy as np
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_control.electronic_differential.steering_by_drives import CourseStabilityParameters, yaw_moment
 from ev_control.shared.blended_wheel import YawDifferenceParameters, yaw_error
 from ev_core.vehicle.car import turning_length
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState
 from ev_sim.driver.preview_driver import steady_circle
-from ev_sim.measures import handling
-from ev_sim.measures.understeer import understeer_gradient
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.about import vehicle_of
+from ev_sim.understeer import understeer_gradient
+from ev_stack.measures import handling
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.about import vehicle_of
 
 CARS = ("ge_ni2005", "compact_ev")  # tyres alone, and with compliance steer of both axles
 SPEEDS = (10.0, -10.0, -5.0)
@@ -35,7 +35,7 @@ def settled(car: str, speed: float, side: str) -> Recording:
         "driver.speed_profile.time": [0.0],
         "steering_column.scale": 0.2,
     }
-    return ev_sim.run("step_steer", runs=[side], vehicle=car, duration=12.0, set=values).runs[side].part(1000)
+    return ev_stack.run("step_steer", runs=[side], vehicle=car, duration=12.0, set=values).runs[side].part(1000)
 
 
 def motion(run: Recording) -> tuple[float, float, float, float]:

@@ -8,17 +8,18 @@ from functools import cache
 import numpy as np
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_core.lockstep.configuration import configure
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.measures.metric import HIGHER, LOWER
-from ev_sim.measures.registry import METRICS, DrivenRun, driven_run
-from ev_sim.measures.understeer import understeer_gradient
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording
-from ev_sim.report.reports import known_metrics
-from ev_sim.report.result import Result
-from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
+from ev_sim.understeer import understeer_gradient
+from ev_stack.measures.metric import HIGHER, LOWER
+from ev_stack.measures.named import DrivenRun, driven_run
+from ev_stack.measures.registry import METRICS
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording
+from ev_stack.report.reports import known_metrics
+from ev_stack.report.result import Result
+from ev_stack.scenarios.scenario import Overrides, load_scenario, scenario_names
 
 OF_A_BUS = [name for name in METRICS if name.startswith("bus_")]
 # Of laps (tests/driver/test_lap.py), of one plant, and of a ramp.
@@ -30,7 +31,7 @@ OF_A_CAR = [name for name in METRICS if name not in (*OF_A_BUS, *OF_SOME)]
 def result() -> Result:
     """Through the first bends of a lane change, measured by a noisy yaw rate sensor."""
     noise = {"plant.sensors.imu_yaw_rate.noise": 0.01}
-    return ev_sim.run("double_lane_change", metrics=OF_A_CAR, duration=3.0, set=noise, seed=1)
+    return ev_stack.run("double_lane_change", metrics=OF_A_CAR, duration=3.0, set=noise, seed=1)
 
 
 def driven() -> DrivenRun:
@@ -81,7 +82,7 @@ def test_the_understeer_gradient_of_a_slow_ramp_is_that_of_the_linear_car():
 )
 def test_the_understeer_gradient_is_not_measured_where_the_car_does_not_turn_steadily(scenario, run):
     """Of a car that neither under- nor oversteers the slopes are 0.0101, 0.0055, -0.0031, -0.0125 there."""
-    runs = ev_sim.run(scenario, runs=[run] if scenario == "sine_with_dwell" else [], metrics=["understeer_gradient"])
+    runs = ev_stack.run(scenario, runs=[run] if scenario == "sine_with_dwell" else [], metrics=["understeer_gradient"])
     found = runs.metrics["understeer_gradient"]
     assert found.value is None
     assert found.reason.startswith("the car does not turn steadily: ")
@@ -90,19 +91,21 @@ def test_the_understeer_gradient_is_not_measured_where_the_car_does_not_turn_ste
 @pytest.mark.parametrize("car", ["audi_a2", "racing_car"])
 def test_the_ramp_of_the_standard_is_steady_enough(car):
     """FMVSS 126, S7.6, which the boards record the gradient on."""
-    run = ev_sim.run("sine_with_dwell", runs=["slowly_increasing_steer"], vehicle=car, metrics=["understeer_gradient"])
+    run = ev_stack.run(
+        "sine_with_dwell", runs=["slowly_increasing_steer"], vehicle=car, metrics=["understeer_gradient"]
+    )
     assert 0.0 < run.metrics["understeer_gradient"].value < 0.0015
 
 
 def test_a_bus_has_its_metrics():
-    found = ev_sim.run("bench_fault", metrics=OF_A_BUS, duration=0.2).metrics
+    found = ev_stack.run("bench_fault", metrics=OF_A_BUS, duration=0.2).metrics
     assert all(found[name].value is not None for name in OF_A_BUS)
 
 
 def test_a_batch_has_the_metrics_of_its_runs_to_the_bit():
     """Also where sensors show another motion."""
     noise = {"plant.sensors.imu_yaw_rate.noise": 0.01}
-    found = ev_sim.batch("double_lane_change", {"*.seed": [0, 1]}, metrics=OF_A_CAR, duration=3.0, set=noise).metrics
+    found = ev_stack.batch("double_lane_change", {"*.seed": [0, 1]}, metrics=OF_A_CAR, duration=3.0, set=noise).metrics
     assert {name: values[1] for name, values in found.items()} == {
         name: result().metrics[name].value for name in OF_A_CAR
     }
@@ -111,12 +114,12 @@ def test_a_batch_has_the_metrics_of_its_runs_to_the_bit():
 def test_a_batch_refuses_what_it_cannot_measure_before_it_drives():
     for metric, said in (("peak_slip", "metric peak_slip needs tire_forces.slip_ratio, which "), ("peak", "unknown m")):
         with pytest.raises(ParameterError, match=f"^{said}"):
-            ev_sim.batch("shchur2019", metrics=[metric], duration=1e3)
+            ev_stack.batch("shchur2019", metrics=[metric], duration=1e3)
 
 
 def test_a_batch_names_what_only_reports_measure():
     with pytest.raises(ParameterError, match=r"^metric cones_hit is one of the report double_lane_change, expected"):
-        ev_sim.batch("double_lane_change", metrics=["cones_hit"], duration=1e3)
+        ev_stack.batch("double_lane_change", metrics=["cones_hit"], duration=1e3)
 
 
 def test_torque_activity_friction_use_and_battery_energy_are_what_they_say():

@@ -9,11 +9,11 @@ import pytest
 
 from ev_core.vehicle.driveline import wheel_inertias
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.manoeuvres.coast_down import effective_mass
-from ev_sim.manoeuvres.launch_split_mu import split_friction_figures
-from ev_sim.measures import motion
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.about import vehicle_of
+from ev_stack.manoeuvres.coast_down import effective_mass
+from ev_stack.manoeuvres.launch_split_mu import split_friction_figures
+from ev_stack.measures import motion
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.about import vehicle_of
 
 RATIOS = (1.0, 0.98, 1.02, 0.9)
 CAR = dataclasses.replace(vehicle_of("audi_a2"), wheel_radius_ratio=RATIOS)

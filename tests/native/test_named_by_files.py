@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.run_scenario import main
-from ev_sim.running.node_process import command
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.commands.run_scenario import main
+from ev_stack.running.node_process import command
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.replay.graph import replay_of
 from ev_study.replay.recorded import find_recorded
 
@@ -53,7 +53,7 @@ def test_no_file_has_a_library_loaded(library, tmp_path, what):
         elif what == "parameters":
             load_scenario("double_lane_change", Overrides(files=[file]))
         else:
-            ev_sim.run("double_lane_change", duration=0.1).save(tmp_path)
+            ev_stack.run("double_lane_change", duration=0.1).save(tmp_path)
             file.rename(tmp_path / "parameters.yaml")
             replay_of(find_recorded(tmp_path), "asr", "", Overrides())
     assert not (tmp_path / "ran").exists()
@@ -65,7 +65,7 @@ def test_the_command_line_and_python_have_it_loaded(library, tmp_path):
         with pytest.raises(SystemExit, match=f"^error: asr: asr method {library}: it has no ev_asr"):
             main(["double_lane_change", "--offline", "--out", str(tmp_path / "out"), *words])
     with pytest.raises(ParameterError, match="it has no ev_asr"):
-        ev_sim.run("double_lane_change", method={"asr": str(library)})
+        ev_stack.run("double_lane_change", method={"asr": str(library)})
     assert (tmp_path / "ran").exists()
 
 

@@ -10,18 +10,18 @@ from pathlib import Path
 
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_core.check.method import check_method
 from ev_core.lockstep.configuration import configure
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.interface.simulation import SteppedLaw
-from ev_sim.recording.recording import signal_hash
-from ev_sim.running.processes import run_in_process, run_in_processes
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.interface.simulation import SteppedLaw
+from ev_stack.recording.recording import signal_hash
+from ev_stack.running.processes import run_in_process, run_in_processes
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples" / "c_library"
-EV_STACK = f"{sys.executable} -c 'from ev_sim.commands.ev_stack import main; main()'"
+EV_STACK = f"{sys.executable} -c 'from ev_stack.commands.program import main; main()'"
 GAMMA = {"electronic_differential.gamma": 7.0}
 
 pytestmark = pytest.mark.slow
@@ -53,8 +53,8 @@ def refused(folder, tmp_path):
 
 def test_a_law_in_c_has_the_bits_of_the_law_in_python_offline_and_over_dds(folder, tmp_path):
     library = str(folder / "libpower_steering.so")
-    expected = ev_sim.run("shchur2019", set=GAMMA, duration=0.5)
-    here = ev_sim.run("shchur2019", method={"electronic_differential": library}, set=GAMMA, duration=0.5)
+    expected = ev_stack.run("shchur2019", set=GAMMA, duration=0.5)
+    here = ev_stack.run("shchur2019", method={"electronic_differential": library}, set=GAMMA, duration=0.5)
     assert here.hash == expected.hash
     chosen = [("electronic_differential", "method", library), ("electronic_differential", "gamma", 7.0)]
     (run,) = load_scenario("shchur2019", Overrides(values=chosen, duration=0.5)).runs
@@ -69,7 +69,7 @@ def test_a_law_in_c_drives_as_a_process(folder, tmp_path):
     chosen = [("electronic_differential", "method", library), ("electronic_differential", "gamma", 7.0)]
     (run,) = load_scenario("shchur2019", Overrides(values=chosen, duration=0.2)).runs
     driven = run_in_processes(run, tmp_path, False, lambda time: None).recording
-    expected = ev_sim.run("shchur2019", set=GAMMA, duration=0.2)
+    expected = ev_stack.run("shchur2019", set=GAMMA, duration=0.2)
     assert [signal_hash(driven)] == [signal_hash(each) for each in expected.runs.values()]
 
 
@@ -81,7 +81,7 @@ def test_laws_in_c_and_cpp_keep_the_contract(folder):
 def test_the_state_of_a_law_in_cpp_is_kept_and_gone_on_from(folder):
     """The torque rises by at most 2000 N m/s: 20 N m in a period of 10 ms, up to the limit."""
     chosen = {"method": {"asr": str(folder / "libramp_limit.so")}, "set": {"asr.limit": 50.0}}
-    car = ev_sim.Simulation("double_lane_change", without=("electronic_differential",), **chosen)
+    car = ev_stack.Simulation("double_lane_change", without=("electronic_differential",), **chosen)
     asked = {"torque_request.drive.front_left": 400.0, "torque_request.brake.rear_left": 7.0}
     frames = [car.step(asked)]
     kept = car.state
@@ -132,12 +132,12 @@ def test_a_library_that_does_not_fit_is_refused_when_it_is_loaded(refused, defin
 )
 def test_what_a_library_must_not_answer_ends_the_run_in_one_line(refused, define, said):
     with pytest.raises(SignalError, match=f"^{said}"):
-        ev_sim.run("double_lane_change", method={"asr": refused(define)}, duration=0.1)
+        ev_stack.run("double_lane_change", method={"asr": refused(define)}, duration=0.1)
 
 
 def test_a_brake_torque_of_a_library_that_is_negative_by_rounding_is_none(refused):
     law = {"asr": refused("BRAKE=-1e-17")}
-    brake = ev_sim.run("double_lane_change", method=law, duration=0.1).signals["torque_command.brake.rear_left"]
+    brake = ev_stack.run("double_lane_change", method=law, duration=0.1).signals["torque_command.brake.rear_left"]
     assert {value.hex() for value in brake.tolist()} == {"0x0.0p+0"}
 
 

@@ -16,9 +16,9 @@ from rclpy.node import Node
 from ros_graph import ros_domain
 from std_msgs.msg import Empty
 
-from ev_core.nodes import time_of_day
-from ev_core.nodes.spinning import spin
-from ev_sim.running.domain import discovery_port, free_domain
+from ev_nodes.stepping import time_of_day
+from ev_nodes.stepping.spinning import spin
+from ev_stack.running.domain import discovery_port, free_domain
 
 HOUR = 3600 * 10**9  # ns
 
@@ -97,7 +97,7 @@ def test_a_process_tells_the_graph_several_times_what_it_consists_of(ahead, monk
 ANNOUNCED = """
 import sys, rclpy
 from rclpy.node import Node
-from ev_core.nodes.time_of_day import Alarm
+from ev_nodes.stepping.time_of_day import Alarm
 rclpy.init()
 with Alarm(Node("announced")):
     sys.stdin.read()

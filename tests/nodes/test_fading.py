@@ -7,9 +7,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from ev_core.nodes.master.real_time import FadingInputs, MasterParameters
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.stamps import NANOSECONDS, from_seconds
+from ev_nodes.master.real_time import FadingInputs, MasterParameters
 
 
 def share_at(age: int, wall_age: float, period: int, p: MasterParameters) -> float:

@@ -6,12 +6,12 @@ from types import SimpleNamespace
 
 from ros_graph import node_of, ros_domain
 
-from ev_core.nodes.master.node import MasterNode
-from ev_core.nodes.reports import wait_until_heard
-from ev_core.nodes.runner_line import RUNNER_LINE
 from ev_msgs_py.contract.signals import BodyVelocity
-from ev_sim.running.node_reports import NodeReports
-from ev_sim.running.processes import parameter_overrides
+from ev_nodes.master.node import MasterNode
+from ev_nodes.stepping.reports import wait_until_heard
+from ev_nodes.stepping.runner_line import RUNNER_LINE
+from ev_stack.running.node_reports import NodeReports
+from ev_stack.running.processes import parameter_overrides
 
 
 class Publisher:

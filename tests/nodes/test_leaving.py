@@ -12,8 +12,8 @@ from patience import PATIENCE, wait_until
 from rclpy.node import NodeNameNonExistentError
 from ros_graph import NAMESPACE, Probe, ros_domain
 
-from ev_core.run_role import SILENTLY
-from ev_sim.running.node_process import command
+from ev_nodes.run_role import SILENTLY
+from ev_stack.running.node_process import command
 
 pytestmark = pytest.mark.slow
 

@@ -13,9 +13,6 @@ from ros_graph import Probe, node_of, ros_domain
 from ev_core.lockstep.finding import find_method
 from ev_core.methods.part import CalledBack
 from ev_core.methods.register import create
-from ev_core.node_loop import steps
-from ev_core.node_loop.ordinary_steps import VARIABLE, is_switched_on
-from ev_core.nodes.spinning import spin
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.contract.frame import TIME, Frame
@@ -28,6 +25,9 @@ from ev_msgs_py.contract.signals import (
 )
 from ev_msgs_py.contract.stamps import from_seconds, to_seconds
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
+from ev_nodes.node_loop import steps
+from ev_nodes.node_loop.ordinary_steps import VARIABLE, is_switched_on
+from ev_nodes.stepping.spinning import spin
 
 pytestmark = pytest.mark.slow
 

@@ -13,12 +13,12 @@ from std_srvs.srv import Trigger
 
 from ev_core.lockstep.inbox import note_answer
 from ev_core.methods.register import all_methods
-from ev_core.nodes.runner_line import RUNNER_LINE
-from ev_core.nodes.spinning import refuse_what_raises
 from ev_core.parameters.declaration import entries
 from ev_msgs_py.contract.roles import ROLES
-from ev_sim.recording.run_recorder import RecorderParameters
-from ev_sim.running.node_reports import NodeReports as Told
+from ev_nodes.stepping.runner_line import RUNNER_LINE
+from ev_nodes.stepping.spinning import refuse_what_raises
+from ev_stack.recording.run_recorder import RecorderParameters
+from ev_stack.running.node_reports import NodeReports as Told
 
 pytestmark = pytest.mark.slow
 

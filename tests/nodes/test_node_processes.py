@@ -12,14 +12,14 @@ from ros_graph import NAMESPACE, NODES, Probe, ros_domain
 
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.running.node_process import command
+from ev_stack.running.node_process import command
 
 pytestmark = pytest.mark.slow
 
 BROKEN_LAW = '''
 from dataclasses import dataclass
 from ev_core.methods.register import method
-from ev_core.run_role import run_role
+from ev_nodes.run_role import run_role
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
 
@@ -79,7 +79,7 @@ FAILS_AT_THE_END = """
 import errno
 import os
 import rclpy
-from ev_core import run_role
+from ev_nodes import run_role
 
 def fail(*_):
     raise OSError(errno.EFBIG, os.strerror(errno.EFBIG))
@@ -104,7 +104,7 @@ def test_what_goes_wrong_once_more_at_the_end_is_one_line_too():
 
 STOPPED_AT_THE_END = {
     "a node": """
-from ev_core import run_role
+from ev_nodes import run_role
 import rclpy
 
 class Driver(rclpy.node.Node):
@@ -121,21 +121,21 @@ run_role.spin = lambda *_: stop()
 run_role.run_node("driver", lambda: Driver("driver"))
 """,
     "the runner": """
-from ev_sim.commands import ev_stack
+from ev_stack.commands import program
 
 sys.argv = ["ev-stack"]
-ev_stack.main()
+program.main()
 """,
     "the runner, stopped": """
-from ev_sim.commands import ev_stack
+from ev_stack.commands import program
 
 def stopped(words):
     stop()
     while True:
         pass
 
-ev_stack.perform = stopped
-ev_stack.main()
+program.perform = stopped
+program.main()
 """,
 }
 TO_STOP = """
@@ -173,10 +173,10 @@ import sys
 
 signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGTERM,))  # as scripts/run.sh starts the program
 signal.raise_signal(signal.SIGTERM)
-from ev_sim.commands import ev_stack
+from ev_stack.commands import program
 
 sys.argv = ["ev-stack"]
-ev_stack.main()
+program.main()
 """
 
 
@@ -189,7 +189,7 @@ def test_a_stop_while_the_runner_is_loaded_is_one_line():
 
 STOPPED_IN_A_DESTRUCTOR = """
 import signal
-from ev_core.nodes import stop_request
+from ev_nodes.stepping import stop_request
 
 class Interrupted:
     def __del__(self):
@@ -224,7 +224,7 @@ def test_a_stop_in_a_destructor_is_not_lost(ctrl_c, moment):
 
 STOPPED_HALF_WAY = """
 import signal
-from ev_core.nodes import stop_request
+from ev_nodes.stepping import stop_request
 
 class HalfMade:
     def __init__(self, kind):
@@ -363,8 +363,8 @@ STOPPED_WHILE_LOADED = """
 import atexit
 import signal
 import sys
-from ev_sim.command_line import offered_commands
-from ev_sim.commands import ev_stack
+from ev_stack.command_line import offered_commands
+from ev_stack.commands import program
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run in the background
 
@@ -382,7 +382,7 @@ atexit.register(print, "cleaned up", flush=True)
 offered_commands.offered_commands()
 offered_commands.import_module = import_module
 sys.argv = ["ev-stack", "run", "shchur2019"]
-ev_stack.main()
+program.main()
 """
 
 

@@ -12,7 +12,7 @@ from rosbags.highlevel import AnyReader
 
 from ev_msgs_py.contract.signals import WheelStates
 from ev_msgs_py.contract.stamps import to_seconds
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 
 pytestmark = pytest.mark.slow
 

@@ -22,18 +22,18 @@ from ros_graph import (
 )
 
 from ev_core.lockstep.finding import find_method
-from ev_core.nodes.master.node import MasterNode
-from ev_core.nodes.signal_io import QUALITY
-from ev_core.nodes.spinning import spin
 from ev_core.sensors.row import QUANTITIES
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.wire import format_of, message_class
-from ev_sim.recording.recording import load
-from ev_sim.running.offline import RECORDER
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_nodes.master.node import MasterNode
+from ev_nodes.stepping.signal_io import QUALITY
+from ev_nodes.stepping.spinning import spin
+from ev_stack.recording.recording import load
+from ev_stack.running.offline import RECORDER
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 
 pytestmark = pytest.mark.slow
 
@@ -262,7 +262,7 @@ def test_the_urban_cycle_is_the_same_over_dds(driver, differential, asr, tmp_pat
 
 def test_the_recorder_names_the_topics_on_which_nothing_comes(tmp_path, monkeypatch):
     """Of a graph without traction control; when it has joined, the run goes on as if nothing had been."""
-    monkeypatch.setattr("ev_sim.nodes.recorder._LONG", 0.1)
+    monkeypatch.setattr("ev_stack.recorder_node._LONG", 0.1)
     run = shchur(0.2)
     with graph(run, tmp_path, names=[name for name in NODES if name != "asr"]) as nodes:
         nodes.run(lambda: any("recorder: nothing has come on torque_command" in text for text in nodes.probe.reports))
@@ -272,7 +272,7 @@ def test_the_recorder_names_the_topics_on_which_nothing_comes(tmp_path, monkeypa
 
 def test_the_recorder_names_no_topic_behind_a_reset_in_which_time_rests(tmp_path, monkeypatch):
     """The answers to the new first instant may be taken together with those of the run before, and be left out."""
-    monkeypatch.setattr("ev_sim.nodes.recorder._LONG", 0.5)
+    monkeypatch.setattr("ev_stack.recorder_node._LONG", 0.5)
     run = shchur(0.1, plant__real_time_factor=0.1)
     with graph(run, tmp_path) as nodes:
         nodes.run(lambda: nodes.time >= 0.06 and nodes.can_be_called())

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from ev_core.nodes.master import schedule as pace_module
-from ev_core.nodes.master.schedule import Pace
 from ev_msgs_py.contract.stamps import NANOSECONDS
+from ev_nodes.master import schedule as pace_module
+from ev_nodes.master.schedule import Pace
 
 PERIOD = NANOSECONDS // 100
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from ev_core.nodes.master import node as node_module
-from ev_core.nodes.master.node import MasterNode
+from ev_nodes.master import node as node_module
+from ev_nodes.master.node import MasterNode
 
 
 def repetitions(monkeypatch, seconds: float, now: int) -> int:

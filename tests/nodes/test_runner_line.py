@@ -13,10 +13,10 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from ev_core.nodes.runner_line import NOTE, PROGRESS, RUNNER_LINE, TALLY, WARNING, WORD_KINDS, RunnerLine, Word
-from ev_sim.recording.recording import Recording
-from ev_sim.running.node_reports import NodeReports as Told
-from ev_sim.running.node_reports import node_reports as opened
+from ev_nodes.stepping.runner_line import NOTE, PROGRESS, RUNNER_LINE, TALLY, WARNING, WORD_KINDS, RunnerLine, Word
+from ev_stack.recording.recording import Recording
+from ev_stack.running.node_reports import NodeReports as Told
+from ev_stack.running.node_reports import node_reports as opened
 
 NOTHING = Recording(np.zeros(0), {})
 
@@ -106,7 +106,7 @@ def test_a_child_finds_its_end_and_no_other_process_does(told):
     """The end is inherited; who has only read the name of it in somebody's environment has nothing."""
     words = [
         "import sys",
-        "from ev_core.nodes.runner_line import NOTE, RunnerLine, Word",
+        "from ev_nodes.stepping.runner_line import NOTE, RunnerLine, Word",
         "line = RunnerLine()",
         "line.tell(Word(NOTE, sys.argv[1], sys.argv[1]))",
         "line.close()",

@@ -16,11 +16,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from ros_graph import NAMESPACE, NODES, Graph, graph, node_of, publisher, shchur
 from std_msgs.msg import Float64MultiArray
 
-from ev_core.nodes.signal_io import QUALITY
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.signals import BodyPose, WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.topics import JOINT_STATE, TOPICS
 from ev_msgs_py.wire import format_of, message_class
+from ev_nodes.stepping.signal_io import QUALITY
 
 pytestmark = pytest.mark.slow
 

@@ -8,10 +8,10 @@ import pytest
 
 from ev_core.lockstep.finding import find_method
 from ev_core.lockstep.stepper import Stepper
-from ev_core.nodes import signal_io as speaker_module
-from ev_core.nodes.reception import Reception
-from ev_core.nodes.signal_io import Reader, Speaker
 from ev_msgs_py.contract.topics import QUEUE_DEPTH
+from ev_nodes.stepping import signal_io as speaker_module
+from ev_nodes.stepping.reception import Reception
+from ev_nodes.stepping.signal_io import Reader, Speaker
 
 OURS, ANOTHER = b"ours", b"another"
 PERIOD = 10_000_000

@@ -6,9 +6,9 @@ import pytest
 from rclpy.node import Node
 from ros_graph import ros_domain
 
-from ev_core.node_loop import ordinary_steps
-from ev_core.nodes.spinning import spin
 from ev_msgs_py.refusal import ParameterError
+from ev_nodes.node_loop import ordinary_steps
+from ev_nodes.stepping.spinning import spin
 
 
 class Besieged(Node):

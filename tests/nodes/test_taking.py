@@ -7,9 +7,9 @@ from rclpy.node import Node
 from ros_graph import ros_domain
 from std_msgs.msg import String
 
-from ev_core.node_loop import ordinary_steps
-from ev_core.nodes.signal_io import QUALITY
-from ev_core.nodes.taking import taker_of
+from ev_nodes.node_loop import ordinary_steps
+from ev_nodes.stepping.signal_io import QUALITY
+from ev_nodes.stepping.taking import taker_of
 
 
 def test_a_message_names_its_publisher_as_the_graph_does():
@@ -41,7 +41,7 @@ def test_without_the_c_library_by_its_name_messages_are_taken_by_rclpy(monkeypat
     with ros_domain() as context:
         node = Node("node", context=context)
         subscription = node.create_subscription(String, "words", print, QUALITY, raw=True)
-        monkeypatch.setattr("ev_core.nodes.taking.addresses", dict)
+        monkeypatch.setattr("ev_nodes.stepping.taking.addresses", dict)
         assert ordinary_steps.addresses(), "the wheels have it"
         take = taker_of(subscription.handle, String)
         publisher = node.create_publisher(String, "words", QUALITY)

@@ -3,11 +3,11 @@
 import pytest
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
-from ev_core.nodes import time_of_day
-from ev_core.nodes.time_of_day import refuse_late_time_of_day, too_late
-from ev_core.run_role import one_line
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.running.node_reports import observing
+from ev_nodes.run_role import one_line
+from ev_nodes.stepping import time_of_day
+from ev_nodes.stepping.time_of_day import refuse_late_time_of_day, too_late
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.running.node_reports import observing
 
 LAST = 2**31 - 1
 REFUSED = (

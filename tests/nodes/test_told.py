@@ -8,12 +8,11 @@ from typing import Any
 import pytest
 from ros_graph import ros_domain
 
-from ev_control.inverter_gateway import node
-from ev_core import run_role
-from ev_sim.nodes import test_bench as bench
+from ev_bench.nodes import bench, gateway
+from ev_nodes import run_role
 
 
-@pytest.mark.parametrize("make", [node.make, bench.make], ids=["inverter_gateway", "test_bench"])
+@pytest.mark.parametrize("make", [gateway.make, bench.make], ids=["inverter_gateway", "test_bench"])
 def test_somebody_stays_when_the_asking_node_goes(make: Callable[..., Any], monkeypatch):
     """A context leaves the graph with its last node, and Fast DDS may lock up others for that while they start."""
     others = []

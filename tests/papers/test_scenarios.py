@@ -11,9 +11,9 @@ from source_runs import differing, driven, metrics_of, mirrored, value
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_papers.zhileykin2018.grid import turn_arounds
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import load, signal_hash
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import load, signal_hash
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 
 # One run of each scenario with its law, and the steering that mirrors it.
 SHORT = {

@@ -12,12 +12,12 @@ from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.finding import find_method
 from ev_core.lockstep.graph import check_graph
 from ev_core.methods.register import CommonParameters, all_methods, method, methods_of, refuse_taken
-from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.declaration import flatten, parameter
 from ev_core.parameters.values import entries_by_name
 from ev_msgs_py.contract.roles import MASTER, REQUIRED, ROLES
 from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, TireForces
 from ev_msgs_py.refusal import ParameterError
+from ev_nodes.master.real_time import MasterParameters
 
 DIFFERENTIAL = "electronic_differential"
 

@@ -19,7 +19,7 @@ from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.plant.planar.planar_state import index
-from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_stack.scenarios.parameter_file import ParameterFile
 
 ROOT = Path(__file__).parents[2]
 HEADER = "speed_rpm,torque_nm,efficiency\n"

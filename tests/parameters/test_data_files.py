@@ -14,17 +14,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ev_core.bus.parameters import load_database
+from ev_bench.bus.parameters import load_database
 from ev_core.lockstep.configuration import configure
 from ev_core.parameters.data_file import SIGNALS, TABLE, TEXT, RecordingError
 from ev_core.vehicle.files import read_tyre
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.report import read_folder
 from ev_sim.profiles.profile import cycle_values
-from ev_sim.recording.recording import load
-from ev_sim.scenarios.about import vehicle_file
-from ev_sim.scenarios.parameter_file import ParameterFile
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.commands.report import read_folder
+from ev_stack.recording.recording import load
+from ev_stack.scenarios.about import vehicle_file
+from ev_stack.scenarios.parameter_file import ParameterFile
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.replay.recorded import find_recorded
 
 REFUSED = (ParameterError, RecordingError)

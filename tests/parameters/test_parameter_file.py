@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ev_core.parameters.section import matches
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.scenarios.parameter_file import ParameterFile, flattened, read_yaml
+from ev_stack.scenarios.parameter_file import ParameterFile, flattened, read_yaml
 
 # What rclpy 9.1 gives to a node `driver` in these namespaces that declares its parameters from this file.
 SECTIONS = """

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.methods.register import all_methods
-from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.declaration import Entry, entries
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
+from ev_nodes.master.real_time import MasterParameters
 
 # What some laws need of the car or of the period; the first that is accepted is taken.
 CARS: tuple[dict[str, Any], ...] = (

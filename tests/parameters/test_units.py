@@ -12,9 +12,9 @@ from ev_core.parameters.data_file import files_in_config
 from ev_core.parameters.values import ACCEPTED, build, number_of
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.descriptions import schema
-from ev_sim.scenarios.parameter_file import read_yaml
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.commands.descriptions import schema
+from ev_stack.scenarios.parameter_file import read_yaml
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 SCHEMA = schema()
 

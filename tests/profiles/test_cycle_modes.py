@@ -18,7 +18,7 @@ from ev_sim.profiles.cycle_windows import (
     windows_by_rule,
 )
 from ev_sim.profiles.profile import SpeedProfileParameters, profile_of, wanted_speed, with_profile_from_file
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.scenarios.scenario import load_scenario
 
 # Stands, drives, keeps its speed, slows down, stands.
 CYCLE = profile_of((0.0, 1.0, 2.0, 3.0, 4.0), (0.0, 0.0, 5.0, 5.0, 0.0), "linear")

@@ -12,10 +12,10 @@ from ev_core.vehicle.car import GRAVITY
 from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, TireForces
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.steering.rear_axle import SpeedDependentParameters
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.analysis.linear_models import single_track
 
 FRONT = 0.05  # rad

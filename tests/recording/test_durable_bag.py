@@ -21,7 +21,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection, QosDurability, QosHistory, QosReliability
 from rosbags.rosbag2 import Reader, ReaderError
 
-from ev_sim.recording.durable_bag import DurableBag, TwinStorage
+from ev_stack.recording.durable_bag import DurableBag, TwinStorage
 
 pytestmark = pytest.mark.slow
 

@@ -9,10 +9,10 @@ import pytest
 from ros_graph import shchur
 from rosbags.highlevel import AnyReader
 
-from ev_sim.recording.durable_bag import DurableBag
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.run_recorder import write_bag
-from ev_sim.running.offline import recorded_topics
+from ev_stack.recording.durable_bag import DurableBag
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.run_recorder import write_bag
+from ev_stack.running.offline import recorded_topics
 
 
 @pytest.mark.parametrize("late", [False, True], ids=["on the way", "at the last message"])

@@ -17,10 +17,10 @@ from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.stamps import RUN
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire import MessageError, format_of, stamp_of
-from ev_sim.recording import spool
-from ev_sim.recording.recording import Recording, load, save
-from ev_sim.recording.run_recorder import RecorderParameters, RunRecorder
-from ev_sim.recording.spool import MessageTable
+from ev_stack.recording import spool
+from ev_stack.recording.recording import Recording, load, save
+from ev_stack.recording.run_recorder import RecorderParameters, RunRecorder
+from ev_stack.recording.spool import MessageTable
 
 PERIOD = 10_000_000  # ns
 NAMES = ("imu", "driver/command", "torque_request")  # the first one is the master's

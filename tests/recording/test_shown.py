@@ -11,10 +11,10 @@ from rosbags.highlevel import AnyReader
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.stamps import RUN
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.recording.recording import Recording
-from ev_sim.recording.run_recorder import RecorderParameters, RunRecorder
-from ev_sim.recording.shown import Message, View
-from ev_sim.recording.spool import MessageTable
+from ev_stack.recording.recording import Recording
+from ev_stack.recording.run_recorder import RecorderParameters, RunRecorder
+from ev_stack.recording.shown import Message, View
+from ev_stack.recording.spool import MessageTable
 
 PERIOD = 10_000_000  # ns
 NAMES = ("imu", "driver/command")  # the first one is the master's

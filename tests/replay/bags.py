@@ -9,12 +9,12 @@ import numpy as np
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.recording.durable_bag import DurableBag
-from ev_sim.recording.recording import Recording
-from ev_sim.recording.run_recorder import RecorderParameters, RunRecorder
-from ev_sim.recording.spool import MessageTable
-from ev_sim.running.offline import drive_offline
-from ev_sim.scenarios.scenario import Overrides
+from ev_stack.recording.durable_bag import DurableBag
+from ev_stack.recording.recording import Recording
+from ev_stack.recording.run_recorder import RecorderParameters, RunRecorder
+from ev_stack.recording.spool import MessageTable
+from ev_stack.running.offline import drive_offline
+from ev_stack.scenarios.scenario import Overrides
 from ev_study.replay.graph import prepared, replay_folder, replay_of
 from ev_study.replay.recorded import Recorded
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ev_sim.commands.run_scenario import main
+from ev_stack.commands.run_scenario import main
 
 
 @pytest.fixture(scope="session")

@@ -19,8 +19,8 @@ from rosbags.typesys import Stores, get_typestore
 import ev_study.replay.recorded
 from ev_core.parameters.data_file import MEGABYTE
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.recording import load
-from ev_sim.scenarios.scenario import Overrides
+from ev_stack.recording.recording import load
+from ev_stack.scenarios.scenario import Overrides
 from ev_study.replay.comparing import in_words, latency_of
 from ev_study.replay.graph import replay_of
 from ev_study.replay.recorded import find_recorded

@@ -16,10 +16,10 @@ from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.run_scenario import main
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording, load, save, signal_hash
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.commands.run_scenario import main
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording, load, save, signal_hash
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.commands.replay import run_replay
 from ev_study.replay.comparing import in_words
 from ev_study.replay.recorded import find_recorded

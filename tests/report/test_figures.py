@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.command_line.options import arguments, printing
-from ev_sim.figures.other_axes import band, colour_map, mean_of_seeds, plan_view
-from ev_sim.figures.panels import Curve, Panel, level
-from ev_sim.figures.saving import FORMATS, Print, save_figures
-from ev_sim.figures.sheets import COLUMN, TALLEST, WIDE, Sheet, drawn, printed
-from ev_sim.figures.strokes import strokes_of
-from ev_sim.figures.thinning import chatter
+from ev_stack.command_line.options import arguments, printing
+from ev_stack.figures.other_axes import band, colour_map, mean_of_seeds, plan_view
+from ev_stack.figures.panels import Curve, Panel, level
+from ev_stack.figures.saving import FORMATS, Print, save_figures
+from ev_stack.figures.sheets import COLUMN, TALLEST, WIDE, Sheet, drawn, printed
+from ev_stack.figures.strokes import strokes_of
+from ev_stack.figures.thinning import chatter
 
 TIME = np.arange(0.0, 10.0, 0.001)
 SLOW = np.sin(TIME)

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from ev_sim.measures.metric import HIGHER, LOWER
-from ev_sim.report.latex import latex_table
+from ev_stack.measures.metric import HIGHER, LOWER
+from ev_stack.report.latex import latex_table
 
 COLUMNS = ("method", "peak [rad]", "energy [J]", "seed", "work_50 % & more", "gap")
 ROWS = [

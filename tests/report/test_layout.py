@@ -17,10 +17,10 @@ from ev_core.methods.register import methods_of
 from ev_papers.dissertation.studies.five_methods import efficiency_figure
 from ev_papers.zhileykin2018 import grid
 from ev_papers.zhileykin2018 import sweep as zhileykin2018_sweep
-from ev_sim.figures.other_axes import timing_sheet
-from ev_sim.figures.panels import Curve, Panel
-from ev_sim.figures.saving import save_figures
-from ev_sim.figures.sheets import COLUMN, TALLEST, WIDE, Sheet, printed
+from ev_stack.figures.other_axes import timing_sheet
+from ev_stack.figures.panels import Curve, Panel
+from ev_stack.figures.saving import save_figures
+from ev_stack.figures.sheets import COLUMN, TALLEST, WIDE, Sheet, printed
 from ev_study.studies import asr_shootout, compare, faults, sweep
 from ev_study.studies.run_study import arguments
 from ev_study.studies.study import CaseResult

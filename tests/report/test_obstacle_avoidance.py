@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_core.vehicle.description import Vehicle
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.scenarios.scenario import load_scenario
 
 COURSE = load_scenario("obstacle_avoidance").parameters.course
 
@@ -30,7 +30,7 @@ def test_the_course_is_that_of_the_standard(side, track, third):
 
 def test_the_car_avoids_the_obstacle_with_its_drives_released():
     """At 50 km/h all cones stay; rolling, air and the bends take 5 to 15 % of the speed on 61 m."""
-    run = ev_sim.run("obstacle_avoidance")
+    run = ev_stack.run("obstacle_avoidance")
     assert run.metrics["cones_hit"].value == 0
     assert run.metrics["course_passed"].value == 1
     assert 0.85 < run.metrics["exit_speed"].value / run.metrics["entry_speed"].value < 0.95
@@ -42,6 +42,6 @@ def test_the_car_avoids_the_obstacle_with_its_drives_released():
 def test_who_drives_straight_on_takes_the_cones_of_the_second_lane():
     """Its body covers 0.66 to 2.34 m: the left rows of lanes 1 (1.04 m) and 3 (1.5 m), the right one of 2 (2.04 m)."""
     straight = {"driver.path.x": [-50.0, 200.0], "driver.path.y": [1.5, 1.5], "plant.initial_y": 1.5}
-    driven = ev_sim.run("obstacle_avoidance", set=straight)
+    driven = ev_stack.run("obstacle_avoidance", set=straight)
     assert driven.metrics["cones_hit"].value == 4 + 4 + 4
     assert driven.metrics["course_passed"].value == 0

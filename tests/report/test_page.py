@@ -17,13 +17,13 @@ import numpy as np
 import pytest
 from pages import CAR, GAP, HOSTILE, page_of, run_on_a_circle, summary_of, two_runs
 
-from ev_sim.commands.run_scenario import main
-from ev_sim.measures.metric import Metric
-from ev_sim.recording.recording import Recording, save
-from ev_sim.report import page as package
-from ev_sim.report.page.parameter_units import unit_of
-from ev_sim.report.page.plot_groups import groups_of
-from ev_sim.report.page.writing import (
+from ev_stack.commands.run_scenario import main
+from ev_stack.measures.metric import Metric
+from ev_stack.recording.recording import Recording, save
+from ev_stack.report import page as package
+from ev_stack.report.page.parameter_units import unit_of
+from ev_stack.report.page.plot_groups import groups_of
+from ev_stack.report.page.writing import (
     Packed,
     Page,
     Signals,
@@ -33,8 +33,8 @@ from ev_sim.report.page.writing import (
     signal_data,
     write_page,
 )
-from ev_sim.report.summary import EVERY_NODE, differences, write_summary
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.report.summary import EVERY_NODE, differences, write_summary
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 EMPTY = ("meta", "link", "img", "input", "br")
 

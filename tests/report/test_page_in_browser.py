@@ -16,9 +16,9 @@ from accessibility import CONTROLS_WITHOUT_NAME, TEXT_OF_POOR_CONTRAST
 from pages import GAP, RADIUS, page_of, two_runs
 from pictures.browser import FOUND, Browser
 
-from ev_sim.figures.strokes import strokes_of
-from ev_sim.recording.recording import Recording
-from ev_sim.report.page.writing import Page, Signals, write_page
+from ev_stack.figures.strokes import strokes_of
+from ev_stack.recording.recording import Recording
+from ev_stack.report.page.writing import Page, Signals, write_page
 
 pytestmark = [
     pytest.mark.slow,

@@ -15,13 +15,13 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_papers.shchur2019 import paper
 from ev_papers.shchur2019.step_response import step_response
-from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, NotMeasured, Reference, mean_between, metric, within
-from ev_sim.recording import recording as recordings
-from ev_sim.recording.recording import Recording, combined_hash, signal_hash
-from ev_sim.report.reports import report_for
-from ev_sim.report.summary import Summary, write_summary
-from ev_sim.report.tables import metric_table, print_metrics, tables_by_width
+from ev_stack.measures import motion
+from ev_stack.measures.metric import Metric, NotMeasured, Reference, mean_between, metric, within
+from ev_stack.recording import recording as recordings
+from ev_stack.recording.recording import Recording, combined_hash, signal_hash
+from ev_stack.report.reports import report_for
+from ev_stack.report.summary import Summary, write_summary
+from ev_stack.report.tables import metric_table, print_metrics, tables_by_width
 
 PERIOD = 0.01
 VEHICLE = Vehicle()
@@ -422,8 +422,8 @@ def test_speed_is_that_along_the_path():
 )
 def test_every_axis_has_a_quantity_and_a_unit(tmp_path, scenario, runs, names):
     """Also where channels or whole runs are missing; the panel then says what is not there."""
-    from ev_sim.figures.saving import save_figures
-    from ev_sim.figures.sheets import drawn
+    from ev_stack.figures.saving import save_figures
+    from ev_stack.figures.sheets import drawn
 
     figures = drawn(report_for(scenario).figures(runs, VEHICLE, {}))
     assert list(figures) == names
@@ -439,7 +439,7 @@ def test_every_axis_has_a_quantity_and_a_unit(tmp_path, scenario, runs, names):
 
 
 def test_thinning_keeps_every_extreme_and_both_ends():
-    from ev_sim.figures.thinning import thinned
+    from ev_stack.figures.thinning import thinned
 
     time = np.arange(100_003) * 1e-3
     values = np.sin(time)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 from layouts import flaws
 
-from ev_sim.figures.sheets import COLUMN, printed
-from ev_sim.recording.offline import run_offline
-from ev_sim.report.reports import report_for
-from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
+from ev_stack.figures.sheets import COLUMN, printed
+from ev_stack.recording.offline import run_offline
+from ev_stack.report.reports import report_for
+from ev_stack.scenarios.scenario import Overrides, load_scenario, scenario_names
 
 BEGIN = (("driver", "pedals.begin", True),)  # pedals from the start instead of the speed profile
 

@@ -7,18 +7,18 @@ import math
 import numpy as np
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.manoeuvres import sine_with_dwell, steady_circle
-from ev_sim.measures import handling, motion
-from ev_sim.measures.metric import NOT_JUDGED, NotMeasured
 from ev_sim.profiles.profile import cycle_values
-from ev_sim.recording.recording import Recording
-from ev_sim.report.result import Result
-from ev_sim.scenarios import scenario as scenarios
-from ev_sim.scenarios.scenario import Overrides, load_scenario
-from ev_sim.scenarios.slow_ramp import angle_at, driven_slowly
+from ev_stack.manoeuvres import sine_with_dwell, steady_circle
+from ev_stack.measures import handling, motion
+from ev_stack.measures.metric import NOT_JUDGED, NotMeasured
+from ev_stack.recording.recording import Recording
+from ev_stack.report.result import Result
+from ev_stack.scenarios import scenario as scenarios
+from ev_stack.scenarios.scenario import Overrides, load_scenario
+from ev_stack.scenarios.slow_ramp import angle_at, driven_slowly
 
 OTHER = "compact_ev"
 
@@ -48,7 +48,7 @@ def test_the_angles_of_the_files_are_what_the_slow_ramp_finds(name, run, within)
 
 def test_a_step_ends_at_4_m_s2_with_another_car():
     """It ended at 2.5 with the angle of the Audi. Within 2 %, as the ramp finds the Audi's."""
-    driven = ev_sim.run("step_steer", vehicle=OTHER, runs=["right"])
+    driven = ev_stack.run("step_steer", vehicle=OTHER, runs=["right"])
     assert values(driven)["lateral_acceleration"] == pytest.approx(-4.0, rel=0.02)
     scale = driven.summary().as_json()["parameters"]["steering_column"]["scale"]
     assert values(driven)["steering_wheel_angle"] == pytest.approx(-0.3395 * scale, rel=1e-12)
@@ -56,7 +56,7 @@ def test_a_step_ends_at_4_m_s2_with_another_car():
 
 
 def test_a_sine_with_dwell_has_the_multiples_of_its_name_with_another_car():
-    found = values(ev_sim.run("sine_with_dwell", vehicle=OTHER))
+    found = values(ev_stack.run("sine_with_dwell", vehicle=OTHER))
     for multiple in (1.5, 2.5, 3.5, 5.0):
         name = f"times_{multiple:.1f}".replace(".", "_")
         assert found[f"{name}_amplitude_over_a"] == pytest.approx(multiple, rel=sine_with_dwell.ROUNDING)
@@ -104,7 +104,7 @@ def test_another_cycle_is_no_other_car():
 def test_a_standing_car_has_no_response():
     """Overshoot of 3e13 % and a TB factor of 26 deg s were measured of a car that had come to rest."""
     at_rest = {"driver.speed_profile.speed": [0.0], "driver.speed_profile.time": [0.0], "plant.initial_speed": 0.5}
-    found = ev_sim.run("step_steer", runs=["right"], set=at_rest).metrics
+    found = ev_stack.run("step_steer", runs=["right"], set=at_rest).metrics
     assert {name for name, each in found.items() if each.value is not None} == {"steering_wheel_angle"}
     assert found["tb_factor"].reason == "the car stands in the end"
 
@@ -132,11 +132,11 @@ def test_linear_and_real_tyres_are_two_runs_with_another_car():
 
 def test_displacement_counts_from_5_degrees_and_both_readings_stand_there():
     """Of the Audi at 5 A: 2.836 m after the beginning of steer of FMVSS 126, 2.761 m from the first turn on."""
-    driven = ev_sim.run("sine_with_dwell", runs=["slowly_increasing_steer", "times_5_0"])
+    driven = ev_stack.run("sine_with_dwell", runs=["slowly_increasing_steer", "times_5_0"])
     found = values(driven)
     assert found["times_5_0_lateral_displacement"] == pytest.approx(2.836, abs=5e-4)
     assert found["times_5_0_lateral_displacement_from_zero"] == pytest.approx(2.761, abs=5e-4)
-    right = ev_sim.run(
+    right = ev_stack.run(
         "sine_with_dwell",
         runs=["slowly_increasing_steer", "times_5_0"],
         set={"steering_column.sine_with_dwell.amplitude": -1.545},
@@ -148,7 +148,7 @@ def test_a_run_is_not_passed_as_what_it_was_not(tmp_path):
     """The angle of the Audi on the other car: 3.48 A, and its displacement was never judged."""
     angles = tmp_path / "angles.yaml"
     angles.write_text("/**/times_5_0/steering_column: {ros__parameters: {scale: 1.0}}\n")
-    driven = ev_sim.run(
+    driven = ev_stack.run(
         "sine_with_dwell",
         vehicle=OTHER,
         runs=["slowly_increasing_steer", "times_5_0"],
@@ -208,16 +208,16 @@ def test_a_circle_is_steady_a_second_after_its_steering_wheel_is_held(period):
 
 def test_the_circle_to_the_right_is_measured():
     """0.0 was the largest lateral acceleration; all of the left circle comes back."""
-    left = values(ev_sim.run("steady_circle", runs=["friction"]))
+    left = values(ev_stack.run("steady_circle", runs=["friction"]))
     right = values(
-        ev_sim.run("steady_circle", runs=["friction"], set={"steering_column.profile.angle": [0.0, -0.7696]})
+        ev_stack.run("steady_circle", runs=["friction"], set={"steering_column.profile.angle": [0.0, -0.7696]})
     )
     assert right == pytest.approx(left, rel=1e-9)
 
 
 def test_a_coast_down_from_below_100_km_h_has_no_time_from_there():
     """9.49 s were "measured"; the road load holds, but is not judged: speed and duration are not the scenario's."""
-    slow = ev_sim.run("coast_down", set={"plant.initial_speed": 90 / 3.6}, duration=30.0)
+    slow = ev_stack.run("coast_down", set={"plant.initial_speed": 90 / 3.6}, duration=30.0)
     assert slow.metrics["time_from_100_to_80_km_h"].verdict == "not measured: 100 km/h was passed before 0 s"
     for name in ("drag_area", "rolling_resistance"):
         found = slow.metrics[name]
@@ -226,13 +226,13 @@ def test_a_coast_down_from_below_100_km_h_has_no_time_from_there():
 
 
 def test_a_coast_down_in_reverse_gives_the_same_road_load():
-    forwards = values(ev_sim.run("coast_down", duration=40.0))
-    backwards = values(ev_sim.run("coast_down", set={"plant.initial_speed": -120 / 3.6}, duration=40.0))
+    forwards = values(ev_stack.run("coast_down", duration=40.0))
+    backwards = values(ev_stack.run("coast_down", set={"plant.initial_speed": -120 / 3.6}, duration=40.0))
     assert backwards == pytest.approx(forwards, rel=1e-6)
 
 
 def test_a_car_that_is_driven_does_not_coast():
-    driven = ev_sim.run("coast_down", set={"driver.pedals.drive_torque": [50.0]}, duration=15.0)
+    driven = ev_stack.run("coast_down", set={"driver.pedals.drive_torque": [50.0]}, duration=15.0)
     assert driven.metrics["drag_area"].verdict.startswith(
         "not measured: the car does not coast: driver.command.drive_torque"
     )
@@ -241,12 +241,12 @@ def test_a_car_that_is_driven_does_not_coast():
 @pytest.mark.parametrize("slope", [{"plant.road.grade": [0.02]}, {"plant.road.side_slope": [-0.02]}])
 def test_a_slope_is_no_road_load(slope):
     """Up 2 % the rolling resistance was "measured" as 0.035 instead of 0.015."""
-    found = values(ev_sim.run("coast_down", set=slope, duration=15.0))
+    found = values(ev_stack.run("coast_down", set=slope, duration=15.0))
     assert set(found.values()) == {None}
 
 
 def test_cones_are_counted_on_the_whole_course_only():
-    short = ev_sim.run("double_lane_change", duration=5.0)
+    short = ev_stack.run("double_lane_change", duration=5.0)
     assert short.metrics["cones_hit"].verdict == "not measured: the end of the course never comes"
 
 
@@ -260,10 +260,10 @@ def test_crossing_is_not_where_the_values_are_beyond_it_at_first():
 
 def test_launch_and_brake_in_reverse_are_measured():
     back = {"driver.pedals.drive_torque": [0.0, 0.0, -1500.0]}
-    launch = ev_sim.run("launch_split_mu", runs=["fixed_steering"], set=back)
+    launch = ev_stack.run("launch_split_mu", runs=["fixed_steering"], set=back)
     assert launch.metrics["time_to_5_m_s"].value > 1.0
     brake = {"plant.initial_speed": -10.0, "driver.speed_profile.speed": [-10.0]}
-    braked = values(ev_sim.run("straight_brake_split_mu", runs=["fixed_steering"], set=brake))
+    braked = values(ev_stack.run("straight_brake_split_mu", runs=["fixed_steering"], set=brake))
     assert braked["front_left_locked"] > 50.0 > braked["front_right_locked"]
 
 
@@ -298,7 +298,7 @@ def test_half_the_control_period_gives_the_same_metrics(name):
     80 km/h the car is 0.1 m further, and a yaw rate of 0.4 rad/s has changed by less than 2 %.
     """
     runs = HALVED[name] if load_scenario(name).parameters.runs else []
-    whole, half = (ev_sim.run(name, runs=runs, set={"*.control_period": period}) for period in (0.01, 0.005))
+    whole, half = (ev_stack.run(name, runs=runs, set={"*.control_period": period}) for period in (0.01, 0.005))
     for key, metric in whole.metrics.items():
         other = half.metrics[key]
         if metric.value is None:

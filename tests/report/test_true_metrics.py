@@ -9,15 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import ev_sim
+import ev_stack
 from ev_core.check.mirror import mirrored
 from ev_core.lockstep.parts import row_parts
 from ev_msgs_py.contract import frame
-from ev_sim.measures.registry import METRICS, driven_run
-from ev_sim.recording.offline import run_offline, struck_channels, true_motion
-from ev_sim.recording.recording import Recording
-from ev_sim.report.reports import report_for
-from ev_sim.scenarios.scenario import Overrides, Scenario, load_scenario
+from ev_stack.measures.named import driven_run
+from ev_stack.measures.registry import METRICS
+from ev_stack.recording.offline import run_offline, struck_channels, true_motion
+from ev_stack.recording.recording import Recording
+from ev_stack.report.reports import report_for
+from ev_stack.scenarios.scenario import Overrides, Scenario, load_scenario
 
 DRIVEN = {  # scenario -> how long it takes until all that is measured has happened [s]
     "sine_with_dwell": 5.0,
@@ -145,12 +146,12 @@ BAD = {"gain": 1.05, "noise": 0.01, "delay": 2}
 
 def test_what_the_commands_said_of_a_broken_yaw_rate_sensor():
     """0.0 was "measured" of a car that yaws; the peak is that of the car."""
-    sound = ev_sim.run("double_lane_change").metrics["peak_yaw_rate"].value
-    broken = ev_sim.run("double_lane_change", set={"plant.faults": ["constant imu.yaw_rate 0"]})
+    sound = ev_stack.run("double_lane_change").metrics["peak_yaw_rate"].value
+    broken = ev_stack.run("double_lane_change", set={"plant.faults": ["constant imu.yaw_rate 0"]})
     assert sound > 0.16  # rad/s, what the line itself asks for: it bends by 1/134 m, at 22.2 m/s
     assert broken.metrics["peak_yaw_rate"].value == sound
     assert not broken.signals["imu.yaw_rate"].any()
-    turning = ev_sim.run("dead_motor", set={"plant.faults": ["constant imu.yaw_rate 0"]}, duration=3.0)
+    turning = ev_stack.run("dead_motor", set={"plant.faults": ["constant imu.yaw_rate 0"]}, duration=3.0)
     assert turning.metrics["fastest_yaw"].value > 0.0
 
 

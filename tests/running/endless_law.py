@@ -96,24 +96,24 @@ def watch() -> None:
 
 
 def _by_command(*words: str) -> None:
-    from ev_sim.commands.ev_stack import main
+    from ev_stack.commands.program import main
 
     sys.argv = ["ev-stack", "run", *words]
     main()
 
 
 def _in_python(text: str) -> None:
-    import ev_sim
+    import ev_stack
 
     law = {"asr": f"{__file__}:forever"}
     if text == "run":
-        ev_sim.run("shchur2019", method=law, duration=1.0)
+        ev_stack.run("shchur2019", method=law, duration=1.0)
     elif text == "simulation":
-        simulation = ev_sim.Simulation("shchur2019", method=law)
+        simulation = ev_stack.Simulation("shchur2019", method=law)
         for _ in range(100):
             simulation.step()
     else:
-        ev_sim.batch("shchur2019", method=law, vary={"asr.n": [2.0, 3.0, 4.0]}, duration=1.0)
+        ev_stack.batch("shchur2019", method=law, vary={"asr.n": [2.0, 3.0, 4.0]}, duration=1.0)
 
 
 if __name__ == "__main__":

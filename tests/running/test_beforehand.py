@@ -15,9 +15,9 @@ import pytest
 from run_script import ENVIRONMENT, RUN
 
 from ev_core.compiling import user_cache
-from ev_sim.running import beforehand
-from ev_sim.running.beforehand import Unit, compile_for, compile_units
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.running import beforehand
+from ev_stack.running.beforehand import Unit, compile_for, compile_units
+from ev_stack.scenarios.scenario import load_scenario
 
 METHODS = {
     "plant kinematic",

@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import pytest
 from ros_graph import offline_hash, recorded_hash, shchur
 
-from ev_core.nodes import time_of_day
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.running import processes
-from ev_sim.running.processes import Beginning
+from ev_nodes.stepping import time_of_day
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.running import processes
+from ev_stack.running.processes import Beginning
 
 HOUR = 3600 * 10**9  # ns
 PATIENCE = 3.0  # s

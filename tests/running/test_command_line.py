@@ -10,12 +10,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from ev_core.nodes import stop_request
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.command_line import offered_commands
-from ev_sim.command_line.options import arguments, overrides, own_nodes
-from ev_sim.commands import ev_stack
-from ev_sim.commands.run_scenario import main
+from ev_nodes.stepping import stop_request
+from ev_stack.command_line import offered_commands
+from ev_stack.command_line.options import arguments, overrides, own_nodes
+from ev_stack.commands import program
+from ev_stack.commands.run_scenario import main
 
 
 def values(*words: str) -> list:
@@ -185,7 +185,7 @@ def test_what_may_not_be_meant_is_one_note(set_, said, tmp_path, capsys):
 )
 def test_a_command_of_ev_stack_asks_for_the_similar_one(word, said, capsys):
     with pytest.raises(SystemExit) as ended:
-        ev_stack.perform([word])
+        program.perform([word])
     assert ended.value.code == 2
     assert capsys.readouterr().err.startswith(f"ev-stack: {said}")
 
@@ -207,11 +207,11 @@ def command(monkeypatch):
     monkeypatch.setattr(sys, "argv", ["ev-stack", "run", "shchur2019"])
     offered_commands.offered_commands()  # its tables are imported here, before a test replaces `import_module`
     monkeypatch.setattr(stop_request, "_INTERRUPTS", [])
-    monkeypatch.setattr(ev_stack, "turn_deaf", lambda: None)
+    monkeypatch.setattr(program, "turn_deaf", lambda: None)
     monkeypatch.setattr(stop_request, "turn_deaf", lambda: None)
     monkeypatch.setattr(stop_request.atexit, "_run_exitfuncs", lambda: None)
     monkeypatch.setattr(stop_request.os, "_exit", sys.exit)
-    yield ev_stack.main
+    yield program.main
     for kind, handler in before.items():
         signal.signal(kind, handler)
 
@@ -260,7 +260,7 @@ def test_an_error_that_ctrl_c_has_made_is_one_line_and_any_other_is_told(
 def test_a_command_with_a_participant_ends_without_deleting_it(error, status, said, command, monkeypatch, capsys):
     """Deleting one may wait for ever; status and line are as Python's own end gives them."""
     monkeypatch.setattr(stop_request, "KEPT", kept := ["a participant"])
-    monkeypatch.setattr(ev_stack, "KEPT", kept)
+    monkeypatch.setattr(program, "KEPT", kept)
 
     def perform(*_: object) -> None:
         if error is not None:

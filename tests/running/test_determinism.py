@@ -11,8 +11,8 @@ from determinism.surroundings import C_LIBRARIES, COMPILERS, WAYS, drawn
 from tqdm import tqdm
 
 from ev_core.faults.fault import KINDS
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import signal_hash
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import signal_hash
 
 TOOLS = Path(__file__).parents[2] / "tools"
 STEP = ("step_steer", "left", 0.2)

@@ -6,9 +6,9 @@ from contextlib import suppress
 
 import pytest
 
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.running import domain
-from ev_sim.running.domain import NoFreeDomain, free_domain, own_namespace, reserved_domains
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.running import domain
+from ev_stack.running.domain import NoFreeDomain, free_domain, own_namespace, reserved_domains
 
 FIRST_PORTS = range(2000, 7000, 1000)  # far below those of DDS and those that sockets get by chance
 

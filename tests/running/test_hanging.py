@@ -8,11 +8,11 @@ from types import MappingProxyType, SimpleNamespace
 
 import pytest
 
-from ev_core.nodes.master.node import MasterNode
-from ev_core.nodes.runner_line import WAITS, RunnerLine, Waiting, Word
-from ev_sim.running import processes
-from ev_sim.running.node_reports import NodeReports as Told
-from ev_sim.running.processes import Hanging
+from ev_nodes.master.node import MasterNode
+from ev_nodes.stepping.runner_line import WAITS, RunnerLine, Waiting, Word
+from ev_stack.running import processes
+from ev_stack.running.node_reports import NodeReports as Told
+from ev_stack.running.processes import Hanging
 
 PIDS = dict.fromkeys(("plant", "driver", "electronic_differential", "asr", "recorder"), 1)
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-import ev_sim
+import ev_stack
 from documentation.hashes import HASHES, changes, hash_table, published_hashes
 from ev_core.parameters.data_file import files_in_config
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import signal_hash
-from ev_sim.scenarios.scenario import load_scenario, scenario_names
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import signal_hash
+from ev_stack.scenarios.scenario import load_scenario, scenario_names
 
 PUBLISHED = published_hashes((Path(__file__).parents[2] / HASHES).read_text())
 QUICK = ("double_lane_change", "shchur2019_steps", "step_steer", "tatar_chudzik", "zhileykin2018")
@@ -32,13 +32,13 @@ def test_the_hash_of_a_copy_under_another_name_is_that_of_the_signals(tmp_path):
     """The name of the file is none of the signals; the printed hash of one run is that of the page."""
     copy = tmp_path / "another_name.yaml"
     copy.write_bytes(files_in_config("scenarios")["step_steer"].read_bytes())
-    only_one, copied = (ev_sim.run(name, runs=["left"], duration=0.5) for name in ("step_steer", copy))
+    only_one, copied = (ev_stack.run(name, runs=["left"], duration=0.5) for name in ("step_steer", copy))
     assert copied.hash == only_one.hash == signal_hash(only_one.runs["left"])
-    both, copied = (ev_sim.run(name, duration=0.5) for name in ("step_steer", copy))
+    both, copied = (ev_stack.run(name, duration=0.5) for name in ("step_steer", copy))
     assert copied.hash == both.hash != only_one.hash
     lane_change = tmp_path / "b.yaml"
     lane_change.write_bytes(files_in_config("scenarios")["double_lane_change"].read_bytes())
-    assert ev_sim.run(lane_change).hash.startswith(PUBLISHED["double_lane_change", "double_lane_change"])
+    assert ev_stack.run(lane_change).hash.startswith(PUBLISHED["double_lane_change", "double_lane_change"])
 
 
 def test_every_run_of_every_scenario_is_published():

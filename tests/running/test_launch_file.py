@@ -13,11 +13,11 @@ from types import ModuleType, SimpleNamespace
 import pytest
 import yaml
 
-from ev_sim.commands.descriptions import write_parameters
-from ev_sim.running.offline import node_parameters
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.commands.descriptions import write_parameters
+from ev_stack.running.offline import node_parameters
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
-FILE = Path(__file__).parents[2] / "src" / "ev_sim" / "launch" / "scenario.launch.py"
+FILE = Path(__file__).parents[2] / "src" / "ev_stack" / "launch" / "scenario.launch.py"
 GIVEN = {"scenario": "shchur2019", "options": "--duration 3 --method asr=pi_slip", "rviz": "false"}
 
 
@@ -54,7 +54,7 @@ def launch_file(monkeypatch):
 
 def test_launch_starts_every_node_with_the_parameters_of_the_runner(launch_file, monkeypatch, capsys, tmp_path):
     def check_output(words, text):
-        assert words[0].endswith("lib/ev_sim/ev-stack") and words[1] == "parameters"
+        assert words[0].endswith("lib/ev_stack/ev-stack") and words[1] == "parameters"
         write_parameters(words[2:])
         return capsys.readouterr().out
 
@@ -66,7 +66,7 @@ def test_launch_starts_every_node_with_the_parameters_of_the_runner(launch_file,
     run = load_scenario("shchur2019", Overrides((), [("asr", "method", "pi_slip")], 3.0)).runs[0]
     told = node_parameters(run, tmp_path / "out", bag=True)
     assert [node["executable"] for node in nodes] == list(told)
-    assert {node["package"] for node in nodes} == {"ev_sim", "ev_control"}
+    assert {node["package"] for node in nodes} == {"ev_sim", "ev_control", "ev_stack"}
     assert {node["namespace"] for node in nodes} == {"/ev"}
     ends = {node["executable"] for node in nodes if node["on_exit"] is not None}
     assert ends == {"recorder"}  # it is the last one that has something to do

@@ -11,9 +11,9 @@ import pytest
 from determinism.surroundings import C_LIBRARIES
 from determinism.surroundings import COMPILERS as FOREIGN
 
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import signal_hash
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import signal_hash
+from ev_stack.scenarios.scenario import load_scenario
 
 MACHINES = {"a C library without FMA and AVX2": C_LIBRARIES["without FMA and AVX2"]}
 SCENARIOS = ("double_lane_change", "shchur2019", "urban_mixed")  # between them tyres, drives, columns, drivers and laws
@@ -30,9 +30,9 @@ def hashes(*scenarios: str) -> list[str]:
 def hashes_on(machine: dict[str, str], scenarios: tuple[str, ...]) -> list[str]:
     """The same by a process that believes to be elsewhere."""
     imports = (
-        "from ev_sim.recording.recording import signal_hash",
-        "from ev_sim.recording.offline import run_offline",
-        "from ev_sim.scenarios.scenario import load_scenario",
+        "from ev_stack.recording.recording import signal_hash",
+        "from ev_stack.recording.offline import run_offline",
+        "from ev_stack.scenarios.scenario import load_scenario",
     )
     text = "\n".join((*imports, inspect.getsource(hashes), f"print(*hashes{scenarios})"))
     environment = {**os.environ, **machine}

@@ -12,13 +12,13 @@ from manoeuvres import MANOEUVRES
 from plant.planar.car import kinetic_energy
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.measures.motion import lateral_acceleration_on_path
 from ev_sim.plant.planar.planar_state import index
 from ev_sim.plant.planar.prepare import number_of_steps
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording
-from ev_sim.report.reports import report_for
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.measures.motion import lateral_acceleration_on_path
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording
+from ev_stack.report.reports import report_for
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 
 pytestmark = pytest.mark.slow
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from run_script import ENVIRONMENT, RUN
 
-from ev_sim.commands import run_scenario
-from ev_sim.commands.run_scenario import main
+from ev_stack.commands import run_scenario
+from ev_stack.commands.run_scenario import main
 
 # What a lack of memory looks like: llvmlite raises an OSError that speaks of permissions, ROS an ImportError.
 OF_LIBRARIES = [OSError("Could not find/load shared object file"), ImportError("libfastdds.so: failed to map segment")]
@@ -22,7 +22,7 @@ def ended_by(error: BaseException, free: float, monkeypatch: pytest.MonkeyPatch)
     def drive(given):
         raise error
 
-    monkeypatch.setattr("ev_sim.commands.drive_scenario.drive_scenario", drive)
+    monkeypatch.setattr("ev_stack.commands.drive_scenario.drive_scenario", drive)
     monkeypatch.setattr(run_scenario, "free_memory", lambda: free)
     monkeypatch.setattr(run_scenario, "KEPT", [])
     with pytest.raises(SystemExit) as ended:

@@ -8,8 +8,8 @@ from types import ModuleType
 
 import pytest
 
-from ev_sim.command_line import offered_commands
-from ev_sim.commands.ev_stack import perform
+from ev_stack.command_line import offered_commands
+from ev_stack.commands.program import perform
 
 
 def greet(words: list[str]) -> None:
@@ -55,5 +55,5 @@ def test_a_table_that_cannot_be_taken_is_named_and_ours_go_on(package: ModuleTyp
     perform(["--help"])
     *_, last = capsys.readouterr().out.splitlines()
     assert last.startswith(f"not loaded: commands of aaa_own: {line}")
-    assert offered_commands.offered_commands().commands["run"].place == "ev_sim.commands.run_scenario:main"
+    assert offered_commands.offered_commands().commands["run"].place == "ev_stack.commands.run_scenario:main"
     assert "greet" not in offered_commands.offered_commands().commands

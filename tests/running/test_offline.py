@@ -24,9 +24,9 @@ from ev_msgs_py.contract.signals import (
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import signal_hash
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import signal_hash
+from ev_stack.scenarios.scenario import load_scenario
 
 
 def played_by(role: str, factory: type, reads: tuple[type, ...]) -> Configuration:

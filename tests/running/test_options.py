@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_sim.command_line.numbers import real, whole
-from ev_sim.command_line.options import arguments
-from ev_sim.command_line.paths import output_folder
-from ev_sim.commands import run_scenario
+from ev_stack.command_line.numbers import real, whole
+from ev_stack.command_line.options import arguments
+from ev_stack.command_line.paths import output_folder
+from ev_stack.commands import run_scenario
 
 
 @given(low=st.integers(-5, 5), width=st.integers(0, 10), text=st.one_of(st.integers(-20, 20).map(str), st.text()))

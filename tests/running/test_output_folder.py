@@ -13,13 +13,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-import ev_sim
+import ev_stack
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands import ev_stack
-from ev_sim.recording.recording import OF_ALL_RUNS, atomic_file
-from ev_sim.running.folder_content import MANIFEST, read_manifest, write_manifest
-from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios.scenario import Run
+from ev_stack.commands import program
+from ev_stack.recording.recording import OF_ALL_RUNS, atomic_file
+from ev_stack.running.folder_content import MANIFEST, read_manifest, write_manifest
+from ev_stack.running.output_folder import OutputFolder
+from ev_stack.scenarios.scenario import Run
 
 # Empty ones of these names are as good as ours; below them they are his.
 FOLDERS = ("bag", "log", "earlier_1", "run [0]", "signals")
@@ -157,8 +157,8 @@ COMMANDS = (
 
 
 @pytest.fixture(scope="module")
-def driven() -> ev_sim.Result:
-    return ev_sim.run("shchur2019", duration=0.02)
+def driven() -> ev_stack.Result:
+    return ev_stack.run("shchur2019", duration=0.02)
 
 
 @pytest.fixture(scope="module")
@@ -190,7 +190,7 @@ def test_no_command_deletes_or_replaces_what_is_not_its_own(driven, saved, had: 
                 watched.put(*act)
             else:
                 try:
-                    ev_stack.perform([word.format(out=watched.out, driven=saved) for word in act])
+                    program.perform([word.format(out=watched.out, driven=saved) for word in act])
                 except SystemExit as ended:
                     assert str(ended.code).startswith("error: ") and "\n" not in str(ended.code)
             watched.check()
@@ -214,12 +214,12 @@ def test_what_is_in_the_way_is_one_line_before_anything_is_touched(tmp_path: Pat
     for name in refused:
         before = sorted(tmp_path.rglob("*"))
         with pytest.raises(SystemExit) as ended:
-            ev_stack.perform(ours)
+            program.perform(ours)
         assert ended.value.code == f"error: {tmp_path}: {refused[name]}, expected another folder"
         assert sorted(tmp_path.rglob("*")) == before
         (tmp_path / name).rename(tmp_path / f"moved_{name}")
-    ev_stack.perform(ours)
-    ev_stack.perform(ours)
+    program.perform(ours)
+    program.perform(ours)
     assert (tmp_path / "moved_log" / "diary.txt").read_text() == "log/diary.txt"
 
 
@@ -227,10 +227,10 @@ def test_a_figure_of_the_users_is_not_replaced(tmp_path: Path):
     """What a figure is called is known when it is drawn; what was driven is there then, and can be replaced."""
     (tmp_path / "speed.png").write_text("mine")
     with pytest.raises(SystemExit, match=r"speed\.png there is not of an earlier run, expected another folder$"):
-        ev_stack.perform((*COMMANDS[0][:-1], str(tmp_path)))
+        program.perform((*COMMANDS[0][:-1], str(tmp_path)))
     assert (tmp_path / "speed.png").read_text() == "mine"
     (tmp_path / "speed.png").rename(tmp_path / "mine.png")
-    ev_stack.perform((*COMMANDS[0][:-1], str(tmp_path)))
+    program.perform((*COMMANDS[0][:-1], str(tmp_path)))
 
 
 def test_what_comes_while_a_command_drives_is_not_ours(tmp_path: Path):
@@ -271,9 +271,9 @@ def test_a_recording_that_is_played_back_is_not_replaced(tmp_path: Path, monkeyp
     """A run deleted what it was asked to play back, and a replay what it was asked to replay, by another spelling."""
     monkeypatch.chdir(tmp_path)
     run = ("run", "shchur2019", "--offline", "--no-record", *SHORT, "--out")
-    ev_stack.perform((*run, "ours"))
+    program.perform((*run, "ours"))
     replay = ("run", "replay", "ours", "--node", "asr", "--no-report", "--out")
-    ev_stack.perform((*replay, "again"))
+    program.perform((*replay, "again"))
     (tmp_path / "other").mkdir()
     (tmp_path / "link").symlink_to("ours")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
@@ -283,7 +283,7 @@ def test_a_recording_that_is_played_back_is_not_replaced(tmp_path: Path, monkeyp
         ((*replay[:2], "again/recorded", *replay[3:], "other/../again"), "the run that is replayed is there"),
     ):
         with pytest.raises(SystemExit, match=said):
-            ev_stack.perform(command)
+            program.perform(command)
         assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 

@@ -7,9 +7,9 @@ import pytest
 from ros_graph import shchur
 
 from ev_msgs_py.contract.roles import RECORDER, ROLES
-from ev_sim.nodes import recorder
-from ev_sim.running.node_process import command
-from ev_sim.running.processes import run_in_process
+from ev_stack import recorder_node as recorder
+from ev_stack.running.node_process import command
+from ev_stack.running.processes import run_in_process
 
 
 @pytest.mark.parametrize("name", [*ROLES, RECORDER])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from types import SimpleNamespace
 
-from ev_sim.recording import outcome
+from ev_stack.recording import outcome
 
 
 def test_behind_a_reset_the_pace_is_that_of_the_new_run(monkeypatch):

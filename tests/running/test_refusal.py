@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ev_sim.commands.ev_stack import perform
+from ev_stack.commands.program import perform
 
 LONG = "x" * 5000
 EVIL = "\x1b[2Jerror: all is well\r\n\x07"

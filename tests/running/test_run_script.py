@@ -19,8 +19,8 @@ from patience import wait_until
 from rosbags.highlevel import AnyReader
 from run_script import ENVIRONMENT, ROOT, RUN, Running
 
-from ev_core.node_loop.ordinary_steps import VARIABLE
-from ev_sim.recording.recording import load
+from ev_nodes.node_loop.ordinary_steps import VARIABLE
+from ev_stack.recording.recording import load
 
 pytestmark = pytest.mark.slow
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ev_sim.running.children import same_addresses
+from ev_stack.running.children import same_addresses
 
 SHOW = [sys.executable, "-c", "print(open('/proc/self/personality').read())"]
 NO_RANDOMIZE = 0x0040000

@@ -10,14 +10,14 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-import ev_sim
+import ev_stack
 from ev_core.parameters.data_file import config_folders
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.command_line.options import arguments, overrides
-from ev_sim.commands.run_scenario import main
-from ev_sim.scenarios.about import describe_scenario
-from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
+from ev_stack.command_line.options import arguments, overrides
+from ev_stack.commands.run_scenario import main
+from ev_stack.scenarios.about import describe_scenario
+from ev_stack.scenarios.scenario import Overrides, load_scenario, scenario_names
 from ev_study.studies.run_study import arguments as study_arguments
 from ev_study.studies.run_study import study_cases
 from ev_study.studies.study import study_named
@@ -257,7 +257,7 @@ def test_what_the_command_line_says_belongs_to_the_chosen_methods(scenario, valu
     set_there = {f"{node}.{key}": value for node, key, value in values if key != "method"}
     methods = {node: value for node, key, value in values if key == "method"}
     with pytest.raises(ParameterError, match=f"^{re.escape(said)}"):
-        ev_sim.run("test", set=set_there, method=methods)
+        ev_stack.run("test", set=set_there, method=methods)
     words = [f"--set={place}={value}" for place, value in set_there.items()]
     words += [f"--method={node}={name}" for node, name in methods.items()]
     with pytest.raises(ParameterError, match=f"^{re.escape(said)}"):
@@ -272,7 +272,7 @@ def test_another_cycle_changes_what_is_driven_or_is_refused(name, tmp_path):
     run = load_scenario(name).runs[0].name
     given = {"runs": [run] if load_scenario(name).parameters.runs else (), "duration": 4.0}
     try:
-        other = ev_sim.run(name, cycle=cycle, **given)
+        other = ev_stack.run(name, cycle=cycle, **given)
     except ParameterError as error:
         said = "is refused: the driver goes by the pedals from the start on, allowed with driver.pedals.begin=false"
         if name == "lap":
@@ -280,9 +280,9 @@ def test_another_cycle_changes_what_is_driven_or_is_refused(name, tmp_path):
             return
         assert str(error) == f"driver.speed_profile.file {said}"
         with pytest.raises(ParameterError, match=f"^driver.speed_profile.time {said}$"):
-            ev_sim.run(name, set={"driver.speed_profile.time": [0.0, 1.0, 2.0, 3.0]}, **given)
+            ev_stack.run(name, set={"driver.speed_profile.time": [0.0, 1.0, 2.0, 3.0]}, **given)
     else:
-        assert other.hash != ev_sim.run(name, **given).hash
+        assert other.hash != ev_stack.run(name, **given).hash
 
 
 def test_a_value_is_used_if_one_of_the_runs_uses_it(scenario):

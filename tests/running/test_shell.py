@@ -22,12 +22,12 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from ros_graph import NAMESPACE, NODES
 from run_script import ENVIRONMENT, ROOT, Running
 
-from ev_core.nodes.stop_request import KEPT
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.commands import live_graph, present_graph
-from ev_sim.commands.ev_stack import perform
-from ev_sim.running.domain import free_domain
+from ev_nodes.stepping.stop_request import KEPT
+from ev_stack.commands import live_graph, present_graph
+from ev_stack.commands.program import perform
+from ev_stack.running.domain import free_domain
 
 pytestmark = pytest.mark.slow
 
@@ -130,7 +130,7 @@ def test_time_is_stopped_and_stepped_from_a_shell(shell, monkeypatch):
     assert float(re.search(r"at (\S+) s", shell("pause"))[1]) == pytest.approx(before + 0.03)
     with monkeypatch.context() as patched:
         patched.setattr(sys, "stderr", FirstLine())
-        patched.setattr("ev_sim.commands.shell._SILENCE", 0.2)
+        patched.setattr("ev_stack.commands.shell._SILENCE", 0.2)
         assert shell("topic", "echo", "wheel_states", "--once") == ""  # which waited without a word
         assert "/ev/wheel_states: no message within 0.2 s; simulated time stands still" in sys.stderr.getvalue()
     assert shell("reset") == "time is zero again, at 0.0 s\n"
@@ -171,7 +171,7 @@ def test_an_absolute_name_needs_no_graph_to_be_chosen(shell, monkeypatch):
     def several(*_):
         raise LookupError("several are there")
 
-    monkeypatch.setattr("ev_sim.commands.shell.master_namespace", several)
+    monkeypatch.setattr("ev_stack.commands.shell.master_namespace", several)
     assert set(yaml.safe_load(shell("topic", "echo", "/clock", "--once"))["clock"]) == {"sec", "nanosec"}
     assert "several are there" in shell.refused("topic", "echo", "wheel_states")
 
@@ -349,7 +349,7 @@ def test_a_graph_is_looked_at_when_no_more_nodes_come(monkeypatch, others, found
 
 def test_the_version_is_that_of_the_packages(capsys):
     perform(["--version"])
-    assert capsys.readouterr().out == f"ev-stack {version('ev_sim')}\n"
+    assert capsys.readouterr().out == f"ev-stack {version('ev_stack')}\n"
 
 
 def test_an_unknown_topic_lists_the_known_ones(domain):

@@ -13,7 +13,7 @@ import pytest
 from run_script import ENVIRONMENT, ROOT, RUN
 
 from ev_core.compiling.user_cache import cache_folder
-from ev_sim.running.domain import free_domain
+from ev_stack.running.domain import free_domain
 
 pytestmark = pytest.mark.slow
 
@@ -68,9 +68,9 @@ sys.meta_path.insert(0, Interrupt())
 """
 # Modules of each stage: Python's own start, the entry point, the command's module, what that imports when it works.
 STAGES = {
-    "list": ("importlib.metadata", "ev_sim.commands.ev_stack", "ev_sim.commands.run_scenario"),
-    "dashboard": ("ev_core.nodes.stop_request", "ev_doors.commands.dashboard", "rclpy", "tornado"),
-    "schema": ("ev_sim.commands.descriptions", "numpy"),
+    "list": ("importlib.metadata", "ev_stack.commands.program", "ev_stack.commands.run_scenario"),
+    "dashboard": ("ev_nodes.stepping.stop_request", "ev_doors.commands.dashboard", "rclpy", "tornado"),
+    "schema": ("ev_stack.commands.descriptions", "numpy"),
 }
 
 

@@ -12,16 +12,16 @@ from pathlib import Path
 
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_core.methods import register
 from ev_core.methods.register import method
 from ev_core.parameters.data_file import find_in_config
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.run_scenario import main
-from ev_sim.recording.outcome import progress_bar
-from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.commands.run_scenario import main
+from ev_stack.recording.outcome import progress_bar
+from ev_stack.running.output_folder import OutputFolder
+from ev_stack.scenarios.scenario import load_scenario
 
 ROOT = Path(__file__).parents[2]
 
@@ -121,7 +121,7 @@ def offered(monkeypatch):
 
 def test_a_broken_plug_in_harms_only_who_wants_it(offered, tmp_path, capsys):
     offered("asr", "no_such_module_of_mine")
-    assert ev_sim.run("shchur2019", duration=0.05).hash
+    assert ev_stack.run("shchur2019", duration=0.05).hash
     said = "not loaded: no_such_module_of_mine: ModuleNotFoundError: No module named 'no_such_module_of_mine'"
     assert refused("shchur2019", "--offline", "--method", "asr=mine", out=tmp_path / "out").endswith(f"; {said}")
     main(["--list"])
@@ -155,14 +155,14 @@ def test_no_number_says_when(monkeypatch):
     with pytest.raises(
         SignalError, match=r"^at 0\.04 s: electronic_differential: WheelTorqueRequest\.drive\.front_left is"
     ):
-        ev_sim.run("shchur2019", method={"electronic_differential": "equal_torque"}, duration=0.1)
+        ev_stack.run("shchur2019", method={"electronic_differential": "equal_torque"}, duration=0.1)
 
 
 def test_a_terminal_that_knows_ascii_only_is_answered(monkeypatch):
     """A dash in the table of a study ended it in a traceback, behind the driving."""
     terminal = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
     monkeypatch.setattr("sys.stdout", terminal)
-    monkeypatch.setattr("ev_sim.commands.run_scenario.print_list", lambda: print("0.5 ± 0.1 –"))
+    monkeypatch.setattr("ev_stack.commands.run_scenario.print_list", lambda: print("0.5 ± 0.1 –"))
     main(["--list"])
     assert terminal.buffer.getvalue() == b"0.5 ? 0.1 ?\n"
 
@@ -170,7 +170,7 @@ def test_a_terminal_that_knows_ascii_only_is_answered(monkeypatch):
 def test_another_law_than_that_of_the_source_is_not_judged():
     """No number is called (not) reproduced by a law, a car or a node that the source does not know."""
     method_of_mine = {"electronic_differential": "equal_torque"}
-    found = ev_sim.run("shchur2019", method=method_of_mine, duration=0.1).metrics
+    found = ev_stack.run("shchur2019", method=method_of_mine, duration=0.1).metrics
     judged = {metric.judgement for metric in found.values()}
     assert judged <= {"not judged", "not measured", "measured"}
     assert "not judged" in judged
@@ -180,7 +180,7 @@ def test_another_law_than_that_of_the_source_is_not_judged():
 
 def test_another_gain_than_that_of_the_source_is_not_judged():
     """8 numbers of gamma = 8 stayed "reproduced"."""
-    found = ev_sim.run("shchur2019", set={"electronic_differential.gamma": 8.0}).metrics.values()
+    found = ev_stack.run("shchur2019", set={"electronic_differential.gamma": 8.0}).metrics.values()
     judged = {each.verdict for each in found if each.reference}  # what is only shown beside is `measured`
     assert judged == {"not judged: electronic_differential.gamma differs from the source's"}
 
@@ -191,7 +191,7 @@ def test_another_gain_than_that_of_the_source_is_not_judged():
 def test_whatever_is_not_as_the_source_has_it_is_not_judged(place):
     """An assistance of eight times was "reproduced" as if it were that of five."""
     name, value = place.split("=")
-    found = ev_sim.run("shchur2019", set={name: float(value)}).metrics
+    found = ev_stack.run("shchur2019", set={name: float(value)}).metrics
     judged = {metric.verdict for metric in found.values() if metric.reference and metric.value is not None}
     name = name.replace("*", "every node")
     assert judged and all(
@@ -200,8 +200,8 @@ def test_whatever_is_not_as_the_source_has_it_is_not_judged(place):
 
 
 def test_a_seed_or_how_fast_it_is_run_changes_no_verdict():
-    own = ev_sim.run("shchur2019")
-    other = ev_sim.run("shchur2019", seed=7, set={"plant.real_time_factor": 1000.0})
+    own = ev_stack.run("shchur2019")
+    other = ev_stack.run("shchur2019", seed=7, set={"plant.real_time_factor": 1000.0})
     assert {n: m.verdict for n, m in own.metrics.items()} == {n: m.verdict for n, m in other.metrics.items()}
     assert "reproduced" in {metric.judgement for metric in own.metrics.values()}
 
@@ -215,7 +215,7 @@ def test_a_copy_of_a_source_that_says_something_else_is_not_judged(tmp_path):
     ):
         file = tmp_path / f"{name}.yaml"
         file.write_text(text.replace("method: power_steering", "method: power_steering\n    gamma: 8.0"))
-        judged = {m.verdict for m in ev_sim.run(file).metrics.values() if m.reference and m.value is not None}
+        judged = {m.verdict for m in ev_stack.run(file).metrics.values() if m.reference and m.value is not None}
         assert judged == {f"not judged: scenario {file} differs from the source's"}
 
 
@@ -247,7 +247,7 @@ def test_files_of_vehicles_refuse_what_no_car_is(tmp_path):
     path = tmp_path / "car.yaml"
     path.write_text("/**:\n  ros__parameters: {vehicle: {mass: 1.0e3, mass: 2.0e3}}\n")
     with pytest.raises(ParameterError, match=rf"^{path}: not readable as YAML in line 2: mass stands there twice$"):
-        ev_sim.run("shchur2019", vehicle=path)
+        ev_stack.run("shchur2019", vehicle=path)
 
 
 def test_one_folder_is_for_one_run_at_a_time(tmp_path):

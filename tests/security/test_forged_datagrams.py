@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from ev_sim.recording.recording import signal_hash
-from ev_sim.running.domain import free_domain
-from ev_sim.running.processes import run_in_process, run_in_processes
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.recording.recording import signal_hash
+from ev_stack.running.domain import free_domain
+from ev_stack.running.processes import run_in_process, run_in_processes
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 TOOLS = Path(__file__).parents[2] / "tools"
 FORGED = 3.0  # a finite number that no node of the run says

@@ -9,11 +9,11 @@ import pytest
 from ros_graph import NAMESPACE, NODES, graph, shchur
 from sockets_of_process import sockets_of
 
-from ev_core.run_role import refuse_weak_security
 from ev_doors.security.permissions import Permissions, permissions, permissions_in_use, policy_file, violations
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.running.domain import free_domain
-from ev_sim.running.node_reports import enclave, observing
+from ev_nodes.run_role import refuse_weak_security
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.running.domain import free_domain
+from ev_stack.running.node_reports import enclave, observing
 
 _ELECTRICAL = ("motor_electrics", "motor_temperatures", "battery/cell")
 _NOT_KINEMATIC = (*_ELECTRICAL, "tire_forces", "battery", "bench/load_command", "speed_command")

@@ -22,7 +22,7 @@ from patience import wait_until
 from run_script import ENVIRONMENT, ROOT, RUN
 from sockets_of_process import Socket, sockets_of
 
-from ev_sim.running.domain import free_domain
+from ev_stack.running.domain import free_domain
 
 pytestmark = pytest.mark.slow
 
@@ -30,7 +30,7 @@ OF_SETUP = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE", "
 DDS = "{http://www.eprosima.com}"
 MARK = "EV_STACK_TEST_SOCKETS"  # in the environment of all processes that belong to one try
 SHORT = f"{RUN} shchur2019 --duration 0.5 --no-report --out OUT"
-HUB = f"{sys.executable} -m ev_sim.commands.can_hub --port 0"
+HUB = f"{sys.executable} -m ev_bench.can_hub --port 0"
 BENCH = (
     f"{RUN} bench_fault --realtime --duration 1000 --no-report --no-record --out OUT --set *.control_period=0.005"
     + "".join(
@@ -55,7 +55,7 @@ kill $worker $scheduler; wait; exit $status
 STRANGERS = pack_message(can.Message(arbitration_id=0x123, is_extended_id=False))
 INSIDER = """
 import time
-from ev_core.bus.channel import Channel
+from ev_bench.bus.channel import Channel
 from ev_msgs_py.can.frame_length import Frame
 channel = Channel("udp_multicast", "{0.address}:{0.port}")
 while True:
@@ -232,7 +232,7 @@ def test_both_profiles_say_the_same():
 
 LISTENER = f"""
 import socket, sys
-from ev_core.bus.channel import Channel
+from ev_bench.bus.channel import Channel
 names = ("239.192.11.0:28111", "239.192.11.1:28112")
 channels = [Channel("udp_multicast", n, address=a) for n, a in zip(names, ("127.0.0.1", "{HERE}"))]
 open_tcp, open_udp = socket.create_server(("", 28001)), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

@@ -12,9 +12,9 @@ from ev_core.lockstep.configuration import Configuration
 from ev_core.sensors.row import QUANTITIES
 from ev_msgs_py.contract.signals import SteeringColumnState
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording, signal_hash
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording, signal_hash
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 COLUMN = [quantity.name for quantity in QUANTITIES if quantity.signal is SteeringColumnState]
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from ev_core.compiling.machine_code import OPTIONS, register_functions
+from ev_core.compiling.machine_code import register_functions
 from ev_core.sensors.random_numbers import WORD, normals, philox, uniform
 
 COUNT = 20_000
@@ -25,7 +25,7 @@ PUBLISHED = (
 )
 
 
-@njit(**OPTIONS)
+@njit(error_model="numpy")
 def many(counters: np.ndarray, words: np.ndarray, numbers: np.ndarray) -> None:
     for i in range(len(counters)):
         c0, c1, c2, c3, k0, k1 = counters[i]

@@ -11,14 +11,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import ev_sim
-from ev_core.bus.model import BusModelParameters
+import ev_stack
+from ev_bench.bus.model import BusModelParameters
+from ev_bench.machines.described import CanCircuitsParameters
 from ev_core.law import group, setting
 from ev_core.lockstep.configuration import configure
 from ev_core.sensors.random_numbers import seeded
 from ev_doors.learning.environment import Environment
 from ev_sim.surfaces import RoadParameters, left_and_right
-from ev_sim.test_bench.described import CanCircuitsParameters
 
 ROAD = RoadParameters(pattern="random")
 SEEDS = st.integers(0, 2**31 - 1)
@@ -37,7 +37,7 @@ CAR = PEDALS | {"driver.pedals.drive_torque": [200.0, 900.0], "plant.initial_spe
 @cache
 def driven(stream: str, seed: int | None) -> np.ndarray:
     values, channel = STREAMS[stream]
-    result = ev_sim.run("step_steer", runs=("left",), set={**CAR, **values}, seed=seed, duration=1.0)
+    result = ev_stack.run("step_steer", runs=("left",), set={**CAR, **values}, seed=seed, duration=1.0)
     return next(iter(result.runs.values())).channels[channel]
 
 
@@ -51,14 +51,14 @@ def test_the_seed_moves_each_stream(stream):
 
 def test_the_seed_moves_the_road_of_the_urban_cycle():
     """Its file names the seed of the road; the road comes under the wheels of the car that has pulled away."""
-    first, second, shipped = (ev_sim.run("urban_mixed", seed=seed, duration=15.0).hash for seed in (1, 2, None))
+    first, second, shipped = (ev_stack.run("urban_mixed", seed=seed, duration=15.0).hash for seed in (1, 2, None))
     assert len({first, second, shipped}) == 3
 
 
 def test_the_seed_moves_the_losses_of_a_bus():
     values = {"test_bench.bus.loss": 0.05, "test_bench.inject.kind": "none"}
     lost = [
-        next(iter(ev_sim.run("bench_fault", set=values, seed=seed, duration=0.1).runs.values())).channels
+        next(iter(ev_stack.run("bench_fault", set=values, seed=seed, duration=0.1).runs.values())).channels
         for seed in (0, 1)
     ]
     assert lost[0]["can.bus.lost_11"].tobytes() != lost[1]["can.bus.lost_11"].tobytes()
@@ -138,17 +138,19 @@ def test_batches_are_the_runs_one_by_one_whatever_is_random():
     values["plant.faults"] = ["lost wheel_states 0.333 from 0.1", "noisy imu.yaw_rate 0.1"]
     channel = "wheel_states.velocity.front_left"
     changed = {"set": CAR | values, "duration": 0.5}
-    found = ev_sim.batch("step_steer", {"*.seed": range(4)}, run="left", signals=(channel,), **changed).signals[channel]
+    found = ev_stack.batch("step_steer", {"*.seed": range(4)}, run="left", signals=(channel,), **changed).signals[
+        channel
+    ]
     assert len(np.unique(found, axis=0)) == 4
     for seed in range(4):
-        alone = ev_sim.run("step_steer", runs=("left",), seed=seed, **changed)
+        alone = ev_stack.run("step_steer", runs=("left",), seed=seed, **changed)
         assert found[seed].tobytes() == next(iter(alone.runs.values())).channels[channel].tobytes()
 
 
 def test_a_random_fault_alone_differs_by_seed_in_a_batch():
     """A graph without noise counted as one that no seed moves: three equal runs. A third of the messages is lost."""
     channel = "wheel_states.velocity.front_left"
-    found = ev_sim.batch(
+    found = ev_stack.batch(
         "double_lane_change",
         {"*.seed": [0, 1, 2]},
         set={"plant.faults": ["lost wheel_states 0.333 from 0.1"]},

@@ -12,7 +12,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from traction import car_of, numbers_of
 
-import ev_sim
+import ev_stack
 from ev_control.shared.allocation import AllocationParameters, allocated, mechanical_power
 from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.description import Vehicle
@@ -243,7 +243,7 @@ def test_drives_that_steer_hold_25_m_s(keep):
         "driver.speed_profile.speed": [25.0],
         "electronic_differential.allocation.keep": keep,
     }
-    assert leaves_the_path(ev_sim.run("dead_motor", set=values).signals, 1.0) < 1.0
+    assert leaves_the_path(ev_stack.run("dead_motor", set=values).signals, 1.0) < 1.0
 
 
 def leaves_the_path(signals: Mapping[str, np.ndarray], side: float) -> float:
@@ -268,6 +268,6 @@ def test_drives_that_steer_keep_the_path_while_they_speed_up(side):
             "driver.path.curvature": [0.0, 0.01 * side],
             "electronic_differential.allocation.keep": keep,
         }
-        leaves[keep] = leaves_the_path(ev_sim.run("dead_motor", set=values, duration=8.0).signals, side)
+        leaves[keep] = leaves_the_path(ev_stack.run("dead_motor", set=values, duration=8.0).signals, side)
     assert leaves["asked"] > 10.0
     assert leaves["difference"] < 1.75

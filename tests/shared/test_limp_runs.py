@@ -7,10 +7,10 @@ import os
 import numpy as np
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.batches.observer import mean
-from ev_sim.measures.metric import channel
+from ev_stack.batches.observer import mean
+from ev_stack.measures.metric import channel
 
 pytestmark = pytest.mark.slow
 
@@ -50,7 +50,7 @@ def test_limits_of_a_car_are_no_loss(vehicle, torque, more):
     """A battery of 15 kW at 20 m/s, a gear that takes 30 %, a car as it is: the request passes to the bit."""
     values = pedal(torque, 20.0, **more)
     method = {**LIMP, **({"plant": values.pop("plant.method")} if "plant.method" in values else {})}
-    run = ev_sim.run("step_steer", ["left"], vehicle=vehicle, method=method, set=values, duration=1.8).runs["left"]
+    run = ev_stack.run("step_steer", ["left"], vehicle=vehicle, method=method, set=values, duration=1.8).runs["left"]
     assert (drives(run, "torque_command") == drives(run, "torque_request")).all()
     assert drives(run, "torque_command")[:, -1].sum() == pytest.approx(torque, rel=1e-12)
 
@@ -59,7 +59,9 @@ def test_limits_of_a_car_are_no_loss(vehicle, torque, more):
 def test_a_short_common_fault_leaves_nothing_behind(fault):
     """Nothing turns the car, so the request passes during it as well, and all drive is there 0.1 s after it."""
     values = pedal(1500.0, 10.0, **{"plant.faults": [fault]})
-    run = ev_sim.run("step_steer", ["left"], vehicle="layout_1_8_c", method=LIMP, set=values, duration=1.8).runs["left"]
+    run = ev_stack.run("step_steer", ["left"], vehicle="layout_1_8_c", method=LIMP, set=values, duration=1.8).runs[
+        "left"
+    ]
     assert (drives(run, "torque_command") == drives(run, "torque_request")).all()
     acts = sum(channel(run, f"wheel_states.effort.{wheel}") for wheel in WHEEL_NAMES)
     assert acts[-20] == pytest.approx(0.97 * 1500.0, rel=1e-3)  # behind its gears
@@ -68,7 +70,7 @@ def test_a_short_common_fault_leaves_nothing_behind(fault):
 def test_a_dead_motor_on_the_dry_side_spins_nothing_on_ice():
     """Launch on split friction, one motor dead from 3 s on: the sound wheel, limited on ice, never turns back."""
     faults = {"plant.faults": ["motor_share front_right 0 from 3"], "asr.limp.watch": True}
-    run = ev_sim.run(
+    run = ev_stack.run(
         "launch_split_mu", ["fixed_steering"], method={"asr": "slip_window"}, set=faults, duration=5.0
     ).runs["fixed_steering"]
     assert channel(run, "torque_command.drive.front_left").min() >= 0.0
@@ -79,7 +81,7 @@ def test_a_dead_motor_on_the_dry_side_spins_nothing_on_ice():
 def test_a_tripped_inverter_whose_rotor_drags_is_found():
     """On the bench a dead motor shows some mN m of either sign, as real ones do: it was not found in all 0.6 s."""
     found = {"asr.limp.watch": True}
-    run = ev_sim.run("bench_fault", method={"asr": "slip_window"}, set=found, duration=1.15).runs["bench_fault"]
+    run = ev_stack.run("bench_fault", method={"asr": "slip_window"}, set=found, duration=1.15).runs["bench_fault"]
     left, right = (channel(run, f"torque_command.drive.{wheel}") for wheel in ("front_left", "front_right"))
     assert left[1000] == right[1000] == 500.0
     assert (abs(left[1050:]) < 1.0).all() and (right[1050:] == 500.0).all()
@@ -91,7 +93,7 @@ def test_no_drive_is_taken_from_a_sound_car(vehicle, share):
     runs = max(round(share * SEEDS), 1)
     chance = np.random.default_rng(1)
     sums = [f"torque_{of}.drive.{wheel}" for of in ("request", "command") for wheel in WHEEL_NAMES]
-    found = ev_sim.batch(
+    found = ev_stack.batch(
         "step_steer",
         {
             "*.seed": range(runs),

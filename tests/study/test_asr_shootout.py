@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from traction import METHODS, SPEED_MODE
 
-from ev_sim.commands.run_scenario import main
-from ev_sim.measures.metric import Metric
-from ev_sim.recording.offline import run_offline, true_motion
-from ev_sim.recording.recording import Recording
+from ev_stack.commands.run_scenario import main
+from ev_stack.measures.metric import Metric
+from ev_stack.recording.offline import run_offline, true_motion
+from ev_stack.recording.recording import Recording
 from ev_study.studies import asr_shootout
 from ev_study.studies.asr_shootout import VARIANTS
 from ev_study.studies.run_study import printed

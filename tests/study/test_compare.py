@@ -17,12 +17,12 @@ from ev_core.methods.register import methods_of
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.run_scenario import main as run_scenario
-from ev_sim.measures import handling
-from ev_sim.measures.registry import surfaces_of
-from ev_sim.recording.recording import Recording
 from ev_sim.surfaces import SURFACES, RoadParameters
 from ev_sim.tyres.curve import peak_slip
+from ev_stack.commands.run_scenario import main as run_scenario
+from ev_stack.measures import handling
+from ev_stack.measures.named import surfaces_of
+from ev_stack.recording.recording import Recording
 from ev_study.studies import compare
 from ev_study.studies.run_study import arguments
 from ev_study.studies.study import drive_case

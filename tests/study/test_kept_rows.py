@@ -16,10 +16,10 @@ from ev_core.lockstep import finding
 from ev_core.methods import offered as entry_points
 from ev_core.methods import register
 from ev_core.parameters.data_file import files_read, find_in_config
-from ev_sim.command_line.offered_commands import STUDIES
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios import about
+from ev_stack.command_line.offered_commands import STUDIES
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.running.output_folder import OutputFolder
+from ev_stack.scenarios import about
 from ev_study.studies import digests, kept_rows
 from ev_study.studies.kept_rows import KeptRows, MeasureAndSave
 from ev_study.studies.study import Case, CaseResult, drive_case
@@ -270,7 +270,7 @@ def test_another_sweep_or_study_in_the_same_folder_keeps_the_rows_of_the_first(t
 
 def test_what_was_driven_with_other_sources_is_not_taken(tmp_path, monkeypatch):
     kept(tmp_path).keep(CASE, CaseResult("first", {}))
-    monkeypatch.setattr("ev_sim.report.summary.PACKAGES", ("numpy", "llvmlite", "hypothesis"))
+    monkeypatch.setattr("ev_stack.report.summary.PACKAGES", ("numpy", "llvmlite", "hypothesis"))
     assert kept(tmp_path).of(CASE) is None
     assert kept(tmp_path).files == []
 

@@ -17,9 +17,9 @@ from patience import PATIENCE
 from schedulers import free_port, process, scheduler_with_two_workers, wait_for_listener
 
 from ev_core.parameters.data_file import files_in_config
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.running.folder_content import digest_of
-from ev_sim.running.output_folder import OutputFolder
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.running.folder_content import digest_of
+from ev_stack.running.output_folder import OutputFolder
 from ev_study.commands.benchmark import run_benchmark
 from ev_study.studies.run_study import arguments
 from ev_study.studies.study import Case, drive_case
@@ -115,8 +115,8 @@ def test_a_disk_that_is_full_ends_the_study():
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from ev_sim.running.folder_content import digest_of
-from ev_sim.running.output_folder import OutputFolder
+from ev_stack.running.folder_content import digest_of
+from ev_stack.running.output_folder import OutputFolder
 from ev_study.studies.study import Case
 from ev_study.studies.workers import drive_cases
 

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-import ev_sim
+import ev_stack
 from ev_core.parameters.data_file import find_file
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.run_scenario import main
-from ev_sim.recording.recording import load, signal_hash
-from ev_sim.report.tables import write_tables
-from ev_sim.running.folder_content import read_manifest, write_manifest
+from ev_stack.commands.run_scenario import main
+from ev_stack.recording.recording import load, signal_hash
+from ev_stack.report.tables import write_tables
+from ev_stack.running.folder_content import read_manifest, write_manifest
 from ev_study.studies import sweep
 from ev_study.studies.run_study import arguments
 from ev_study.studies.study import drive_case
@@ -53,7 +53,7 @@ def test_each_row_is_the_run_alone(folder):
     row = found[-1]
     assert (row["electronic_differential.gamma"], row["plant.initial_speed"], row["seed"]) == ("10", "4.0", "1")
     changed = {"electronic_differential.gamma": 10.0, "plant.initial_speed": 4.0}
-    alone = ev_sim.run("shchur2019", set=changed, seed=1, duration=0.1)
+    alone = ev_stack.run("shchur2019", set=changed, seed=1, duration=0.1)
     measured = {name: metric for name, metric in alone.metrics.items() if metric.value is not None}
     assert measured
     for name, metric in measured.items():

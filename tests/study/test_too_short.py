@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.outcome import RunFailed
+from ev_stack.recording.outcome import RunFailed
 from ev_study.studies.run_study import _summed_up, arguments
 from ev_study.studies.study import drive_case, study_named, study_names
 

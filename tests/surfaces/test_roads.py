@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.offline import run_offline
-from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.surfaces import SURFACES, RoadParameters, Surface, interpolate, left_and_right, segment_at
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 
 def test_random_sides_are_independent_repeatable_and_have_the_given_shares():

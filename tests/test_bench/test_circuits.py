@@ -7,6 +7,8 @@ from math import atan, pi, sqrt
 
 import pytest
 
+from ev_bench.machines.circuit import turn
+from ev_bench.machines.described import CircuitState, ShaftParameters
 from ev_core.lockstep.configuration import configure
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
@@ -18,8 +20,6 @@ from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.drives.synchronous_motor import weakening_loss
-from ev_sim.test_bench.circuit import turn
-from ev_sim.test_bench.described import CircuitState, ShaftParameters
 
 BATTERY, LOW = (BatteryCondition(voltage, 0.0, 30.0, 60.0, 0.5) for voltage in (400.0, 40.0))
 GEAR = 2.65  # of the default vehicle

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-import ev_sim
+import ev_stack
 
 GEAR, FRICTION = 7.4, 0.002  # of the car, of the bearings [N m s/rad]
 INERTIA = 0.02 + 0.1  # of both rotors [kg m^2]
@@ -23,7 +23,7 @@ class Shafts:
             "driver.pedals.drive_torque": [0.0, 2.0 * GEAR * torque],
         } | {name.replace("__", "."): value for name, value in changed.pop("set", {}).items()}
         run = f"constant_{follows}"
-        done = ev_sim.run("bench_load", runs=(run,), duration=seconds, set=changes, **changed)
+        done = ev_stack.run("bench_load", runs=(run,), duration=seconds, set=changes, **changed)
         self.time, self.channels = done.time, done.runs[run].channels
 
     def at(self, time: float, name: str, side: str = "left") -> float:

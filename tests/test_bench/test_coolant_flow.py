@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import ev_sim
+import ev_stack
 
 WATER = 3.5e3 * 1.06 / 60.0  # W of 1 l/min and 1 K: with glycol, 3.5 kJ/(kg K) and 1.06 kg/l
 
@@ -15,7 +15,7 @@ def driven(**changed):
     values = {name.replace("__", "."): value for name, value in changed.items()}
     method = {"test_bench": values.pop("method", "circuits_with_flow")}
     duration = values.pop("duration", 2.0)
-    return ev_sim.run("bench_load", runs=("constant_speed",), method=method, duration=duration, set=values)
+    return ev_stack.run("bench_load", runs=("constant_speed",), method=method, duration=duration, set=values)
 
 
 @pytest.mark.parametrize("flow", [4.0, 8.0])

@@ -7,8 +7,9 @@ from rclpy.parameter import Parameter
 from ros_graph import NAMESPACE, ros_domain
 from std_srvs.srv import Trigger
 
-from ev_sim.nodes.test_bench import TestBenchNode
-from ev_sim.test_bench.sequence import SEQUENCE_STEPS, SERVICES, Sequence, Stage, begun
+from ev_bench.machines.sequence import SEQUENCE_STEPS, Sequence, Stage, begun
+from ev_bench.nodes.bench import TestBenchNode
+from ev_msgs_py.contract.roles import BENCH_SERVICES
 
 
 def test_six_steps_in_this_order_and_no_other():
@@ -83,7 +84,7 @@ def test_the_node_serves_the_steps():
             context=context, namespace=NAMESPACE, parameter_overrides=[Parameter("enabled", value="none")]
         )
         try:
-            assert {each.srv_name.rpartition("/")[2] for each in node.services} >= set(SERVICES)
+            assert {each.srv_name.rpartition("/")[2] for each in node.services} >= set(BENCH_SERVICES)
             assert call("start") == (False, "start is refused, expected choose", "none")
             for name in ("choose_right", "connect", "load_model"):
                 assert call(name) == (True, "enabled: none", "none")

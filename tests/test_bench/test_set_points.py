@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ev_sim.test_bench.circuit import follow, send
-from ev_sim.test_bench.described import SetPointState
+from ev_bench.machines.circuit import follow, send
+from ev_bench.machines.described import SetPointState
 
 STEPS = 4  # of a control period
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from differentials import GRAVITY
 
-import ev_sim
+import ev_stack
 from ev_control.shared.torque_split import KNOWN_BY
 from ev_control.torque_vectoring.known_motion import KnownMotionParameters, known_motion, unknown_motion
 from ev_core.methods.law import namespace
@@ -26,8 +26,8 @@ from ev_msgs_py.contract.signals import (
 )
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_sim.measures.understeer import axle_cornering_stiffnesses
-from ev_sim.report.result import Result
+from ev_sim.understeer import axle_cornering_stiffnesses
+from ev_stack.report.result import Result
 
 READS = (DriverCommand, SteeringColumnState, WheelStates, InertialMeasurement, BodyVelocity, TireForces)
 PERIOD = 0.01
@@ -40,7 +40,7 @@ def driven(scenario: str, run: str, scale: float, road: str) -> Result:
     """The planar plant without any yaw moment."""
     values: dict[str, Any] = {f"plant.road.{side}": [road] for side in ("left", "right")}
     values["steering_column.scale"] = scale
-    return ev_sim.run(scenario, [run], vehicle="layout_1_8_c", duration=3.5, set=values)
+    return ev_stack.run(scenario, [run], vehicle="layout_1_8_c", duration=3.5, set=values)
 
 
 def estimated(result: Result, stiffer: float = 1.0, brakes: float = 0.0, first: float = 1.2) -> Iterator[Any]:
@@ -125,7 +125,7 @@ def test_wheels_that_spin_up_show_no_friction_that_is_not_there():
     values: dict[str, Any] = {f"plant.road.{side}": ["packed_snow_1"] for side in ("left", "right")}
     values |= {"*.vehicle.driven_wheels": ["rear_left", "rear_right"], "plant.initial_speed": 8.0}
     values |= {"driver.pedals.drive_torque": [0.0, 0.0, 3000.0], "driver.pedals.brake_torque": [0.0, 0.0, 0.0]}
-    result = ev_sim.run("launch_split_mu", ["steered"], vehicle="compact_ev", duration=2.0, set=values)
+    result = ev_stack.run("launch_split_mu", ["steered"], vehicle="compact_ev", duration=2.0, set=values)
     road = result.signals["tire_forces.friction_coefficient.rear_left"].max()
     assert max(result.signals["tire_forces.slip_ratio.rear_left"]) > 0.5
     shown = [lateral for _, lateral in estimated(result, first=0.3)]

@@ -14,9 +14,9 @@ import pytest
 from judging import drive_here
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.commands.run_scenario import main
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.running.folder_content import locked
+from ev_stack.commands.run_scenario import main
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.running.folder_content import locked
 from ev_study.studies.study import CaseResult, drive_case
 from ev_study.verdicts.need import Kept, ScenarioNeed, StudyNeed, cases_of, drive
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from ev_sim.measures.metric import NotMeasured
+from ev_stack.measures.metric import NotMeasured
 from ev_study.verdicts.check import SHOWN, Check, Tolerance, check_of
 from ev_study.verdicts.measure import Template
 from ev_study.verdicts.sources import Published

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.recording.recording import Recording
+from ev_stack.measures.metric import NotMeasured
+from ev_stack.recording.recording import Recording
 from ev_study.verdicts.measure import Call, Expression, compared, measured_by
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
 

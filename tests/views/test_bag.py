@@ -19,10 +19,10 @@ from mcap_ros2.decoder import DecoderFactory
 
 from ev_core.vehicle.car import GRAVITY
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.recording.recording import load
-from ev_sim.recording.run_recorder import write_bag
-from ev_sim.running.offline import recorded_topics, run_offline_into
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.recording.recording import load
+from ev_stack.recording.run_recorder import write_bag
+from ev_stack.running.offline import recorded_topics, run_offline_into
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 VIEWED = ("/tf", "/tf_static", "/ev/odometry", "/ev/tyre_force_markers", "/ev/robot_description", "/parameter_events")
 DURATION = 5.0  # s: the first of the two lane changes is over

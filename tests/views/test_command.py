@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ev_sim.commands.ev_stack import perform
+from ev_stack.commands.program import perform
 
 
 @pytest.mark.parametrize(

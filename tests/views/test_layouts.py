@@ -17,9 +17,9 @@ from ev_msgs_py.contract.frame import PLACES, SIZE
 from ev_msgs_py.contract.signals import BodyPose
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.wire import empty_message, message_class
-from ev_sim.recording.durable_bag import ros_types
-from ev_sim.recording.recording import recording_of
-from ev_sim.views.messages import VIEWS, CarViews
+from ev_stack.recording.durable_bag import ros_types
+from ev_stack.recording.recording import recording_of
+from ev_stack.views.messages import VIEWS, CarViews
 
 CONFIG = Path(__file__).parents[2] / "config" / "layouts"
 OWN = ("odometry", "tyre_force_markers", "robot_description")  # of the node visualization

@@ -11,15 +11,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 
-from ev_core.node_loop.steps import (
-    RUN,
-    TOPIC,
-    Memory,
-    is_laid_out_like,
-    read_numbers,
-    stamp_in,
-    write_message,
-)
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.fields import NEGLIGIBLE
 from ev_msgs_py.contract.frame import Frame
@@ -37,7 +28,16 @@ from ev_msgs_py.wire import (
     stamp_alone,
     stamp_of,
 )
-from ev_sim.recording.spool import MessageTable
+from ev_nodes.node_loop.steps import (
+    RUN,
+    TOPIC,
+    Memory,
+    is_laid_out_like,
+    read_numbers,
+    stamp_in,
+    write_message,
+)
+from ev_stack.recording.spool import MessageTable
 
 WITH_NUMBERS = pytest.mark.parametrize(
     "topic", [topic for topic in TOPICS.values() if topic.channels], ids=lambda topic: topic.name

@@ -14,9 +14,9 @@ from rosbags.highlevel import AnyReader
 
 from campaign.under_way import UnderWay
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.recording import OF_ALL_RUNS, load
-from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios.scenario import load_scenario
+from ev_stack.recording.recording import OF_ALL_RUNS, load
+from ev_stack.running.output_folder import OutputFolder
+from ev_stack.scenarios.scenario import load_scenario
 
 _GONE_WITHIN = 2.0  # s after its end until nothing of a run is there any more
 

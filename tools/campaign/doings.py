@@ -15,10 +15,10 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from campaign.sayings import ESCAPES, INVENTED
-from ev_core.nodes.master.schedule import TIME_SERVICES
-from ev_core.nodes.signal_io import QUALITY
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.wire import format_of
+from ev_nodes.master.schedule import TIME_SERVICES
+from ev_nodes.stepping.signal_io import QUALITY
 
 _ROLES = ("plant", "asr", "driver", "recorder")
 _DOZEN, _SUBSCRIBERS = 12, 50

@@ -10,11 +10,11 @@ from functools import partial
 from typing import Any
 
 from campaign.spoiling import spoilt
-from ev_core.node_loop.ordinary_steps import VARIABLE
-from ev_core.nodes.signal_io import SignalWriter
-from ev_core.run_role import run_role
 from ev_msgs_py.contract.stamps import RUNS
 from ev_msgs_py.wire import format_of, stamp_of
+from ev_nodes.node_loop.ordinary_steps import VARIABLE
+from ev_nodes.run_role import run_role
+from ev_nodes.stepping.signal_io import SignalWriter
 
 _LATE = 0.05  # s at most
 

@@ -13,13 +13,13 @@ from rclpy.node import Node
 from campaign.forgeries import data, rtps
 from campaign.ports import ports
 from ev_core.lockstep.stepper import WRITERS
-from ev_core.nodes.signal_io import QUALITY
-from ev_core.nodes.stop_request import StopRequest
-from ev_core.nodes.taking import taker_of
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.wire import format_of, stamp_of
+from ev_nodes.stepping.signal_io import QUALITY
+from ev_nodes.stepping.stop_request import StopRequest
+from ev_nodes.stepping.taking import taker_of
 
 _SECONDS, _MOST = 30.0, 200  # then it has said enough, or there was nobody to hear
 

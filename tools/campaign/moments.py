@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from campaign.under_way import UnderWay
-from ev_sim.recording.recording import SIGNALS
+from ev_stack.recording.recording import SIGNALS
 
 START, THERE, ANNOUNCED, MOVING, ENDING = "start", "process", "announced", "moving", "ending"
 

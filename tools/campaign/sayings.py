@@ -17,11 +17,11 @@ from std_msgs.msg import String
 
 from campaign.spoiling import HOW, spoilt
 from ev_core.lockstep.stepper import WRITERS
-from ev_core.nodes.signal_io import NAMELESS, QUALITY
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.signals import RecorderProgress, WheelTorqueCommand
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, TOPICS
 from ev_msgs_py.wire import STAMP_AT, format_of, stamp_alone
+from ev_nodes.stepping.signal_io import NAMELESS, QUALITY
 
 ESCAPES = "\x1b[2J\x1b]0;mine\x07\x1b[31m\x9b1A\b\b\r"
 INVENTED = "\nerror: node plant was killed by nobody\r\nstopped\n\u2028error: once more\x85error: and again\n"

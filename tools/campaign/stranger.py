@@ -20,11 +20,11 @@ from campaign.doings import DOINGS
 from campaign.forgeries import FORGERIES, Forgery, Heard
 from campaign.ports import ports
 from campaign.sayings import SAYINGS, Saying
-from ev_core.nodes.signal_io import QUALITY
-from ev_core.nodes.stop_request import StopRequest
-from ev_core.nodes.taking import taker_of
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.wire import format_of, stamp_of
+from ev_nodes.stepping.signal_io import QUALITY
+from ev_nodes.stepping.stop_request import StopRequest
+from ev_nodes.stepping.taking import taker_of
 
 ACTS = (*SAYINGS, *DOINGS, *FORGERIES)
 _SECONDS, _MESSAGES, _DATAGRAMS = 4.0, 20_000, 40_000  # then it has said enough

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.command_line.options import arguments, overrides
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import signal_hash
-from ev_sim.scenarios.scenario import Run, load_scenario
+from ev_stack.command_line.options import arguments, overrides
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import signal_hash
+from ev_stack.scenarios.scenario import Run, load_scenario
 
 if TYPE_CHECKING:
     from campaign.under_way import UnderWay

@@ -13,8 +13,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from campaign.trial import RUNNER, Trial
-from ev_sim.recording.recording import BAG, PARAMETERS
-from ev_sim.running.children import ends_with_us
+from ev_stack.recording.recording import BAG, PARAMETERS
+from ev_stack.running.children import ends_with_us
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 150.0  # s of wall time for a run that nothing keeps from its end, on a machine with much other work

@@ -18,9 +18,9 @@ from tqdm import tqdm
 from determinism.faults import drawn_changes
 from determinism.surroundings import WAYS, Surroundings, drawn
 from documentation.markdown import code, table, with_blocks
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import signal_hash
-from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import signal_hash
+from ev_stack.scenarios.scenario import Overrides, load_scenario, scenario_names
 
 PAGE = "docs/determinism.md"
 PART = "results"

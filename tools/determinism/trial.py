@@ -13,11 +13,11 @@ from pathlib import Path
 
 from determinism.faults import run_with
 from determinism.surroundings import WAYS
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.outcome import Outcome
-from ev_sim.recording.recording import Recording, signal_hash
-from ev_sim.running.processes import run_in_process, run_in_processes
-from ev_sim.scenarios.scenario import Run
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.outcome import Outcome
+from ev_stack.recording.recording import Recording, signal_hash
+from ev_stack.running.processes import run_in_process, run_in_processes
+from ev_stack.scenarios.scenario import Run
 
 
 def driven(run: Run, way: str) -> Recording:

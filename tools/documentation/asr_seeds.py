@@ -8,10 +8,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from documentation.markdown import code, table
-from ev_sim.batches.batch import batch
-from ev_sim.batches.observer import last, mean
 from ev_sim.surfaces import SURFACES
 from ev_sim.tyres.curve import peak_slip
+from ev_stack.batches.batch import batch
+from ev_stack.batches.observer import last, mean
 from ev_study.studies import asr_shootout
 from ev_study.studies.study import run_of
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from documentation.markdown import code, table
 from documentation.response_times import bus_load, of_layouts
-from ev_core.bus.parameters import load_database
+from ev_bench.bus.parameters import load_database
 from ev_msgs_py.can.database import FrameLayout
 from ev_msgs_py.can.frames import FAULTS
 from ev_msgs_py.can.payload import BitField

@@ -6,8 +6,8 @@ from documentation.own_methods import writing_methods
 from ev_core.lockstep.graph import sequence, writers
 from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES, ROLES, RoleKind
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.running.node_process import package_of
-from ev_sim.running.offline import RECORDER
+from ev_stack.running.node_process import package_of
+from ev_stack.running.offline import RECORDER
 
 _THICK = "==>"
 _DOTTED = "-.->"

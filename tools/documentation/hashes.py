@@ -6,9 +6,9 @@ import re
 from collections.abc import Mapping
 
 from documentation.markdown import code, table
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import signal_hash
-from ev_sim.scenarios.scenario import load_scenario, scenario_names
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import signal_hash
+from ev_stack.scenarios.scenario import load_scenario, scenario_names
 
 HASHES = "docs/signal_hashes.md"
 _ROW = re.compile(r"^\| `(\w+)` \| `(\w+)` \| `([0-9a-f]+)` \|$", re.MULTILINE)

@@ -7,8 +7,8 @@ from tempfile import TemporaryDirectory
 
 from PIL import Image
 
-from ev_sim.figures.saving import save_figures
-from ev_sim.figures.sheets import Sheets, drawn
+from ev_stack.figures.saving import save_figures
+from ev_stack.figures.sheets import Sheets, drawn
 
 COLOURS = 256  # lines and letters need no more; a third of the size
 

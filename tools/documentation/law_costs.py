@@ -21,10 +21,10 @@ from ev_doors.export.counting import counted
 from ev_doors.export.program import Measured, Program, build_program
 from ev_doors.export.targets import TARGETS
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.interface.driving import only_run, overrides
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run, load_scenario, scenario_names
+from ev_stack.interface.driving import only_run, overrides
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Run, load_scenario, scenario_names
 
 NATIVE = "docs/native.md"
 BLOCK = "law costs"

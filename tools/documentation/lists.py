@@ -5,8 +5,8 @@ from __future__ import annotations
 from documentation.markdown import code, table
 from documentation.own_methods import own_methods
 from ev_msgs_py.contract.roles import ROLES
-from ev_sim.scenarios.about import describe_scenario
-from ev_sim.scenarios.scenario import scenario_names
+from ev_stack.scenarios.about import describe_scenario
+from ev_stack.scenarios.scenario import scenario_names
 from ev_study.studies.study import study_named, study_names
 
 

@@ -8,14 +8,14 @@ from collections.abc import Iterable, Sequence
 from documentation.markdown import code, codes, table
 from ev_core.methods.offered import offered
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures.derived import SERIES
-from ev_sim.measures.expression import AT, ELEMENTWISE, OVER_TIME, REDUCTIONS
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.own_metrics import named_metrics
-from ev_sim.measures.registry import METRICS
-from ev_sim.report.reports import known_metrics
-from ev_sim.scenarios.about import REPORTS
-from ev_sim.scenarios.scenario import load_scenario, scenario_names
+from ev_stack.measures.derived import SERIES
+from ev_stack.measures.expression import AT, ELEMENTWISE, OVER_TIME, REDUCTIONS
+from ev_stack.measures.metric import Metric
+from ev_stack.measures.own_metrics import named_metrics
+from ev_stack.measures.registry import METRICS
+from ev_stack.report.reports import known_metrics
+from ev_stack.scenarios.about import REPORTS
+from ev_stack.scenarios.scenario import load_scenario, scenario_names
 
 _WHEELS = re.compile("|".join(WHEEL_NAMES))
 

@@ -6,17 +6,17 @@ from typing import Any
 
 from documentation.markdown import code, codes, table
 from documentation.own_methods import own_methods
-from ev_control.inverter_gateway.gateway import GatewayParameters
+from ev_bench.inverter.device import InverterNodeParameters
+from ev_bench.inverter_gateway.gateway import GatewayParameters
 from ev_core.methods.register import CommonParameters
-from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.declaration import Entry, entries
 from ev_core.sensors.row import QUANTITIES
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.inverter.device import InverterNodeParameters
-from ev_sim.recording.run_recorder import RecorderParameters
-from ev_sim.scenarios.about import ScenarioParameters
+from ev_nodes.master.real_time import MasterParameters
+from ev_stack.recording.run_recorder import RecorderParameters
+from ev_stack.scenarios.about import ScenarioParameters
 
 COLUMNS = ("name", "default", "unit", "allowed", "description", "source")
 _MANY = 5  # from so many elements on, a default that is every choice is written as "all"

@@ -13,10 +13,10 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
 from ev_papers.shchur2019 import paper
 from ev_sim.drives.drive import DRIVE_MODELS
-from ev_sim.measures.metric import Metric, Parameters, Runs
-from ev_sim.recording.offline import run_offline
-from ev_sim.report.reports import report_for
-from ev_sim.scenarios.scenario import Overrides, Scenario, load_scenario
+from ev_stack.measures.metric import Metric, Parameters, Runs
+from ev_stack.recording.offline import run_offline
+from ev_stack.report.reports import report_for
+from ev_stack.scenarios.scenario import Overrides, Scenario, load_scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,7 +12,7 @@ from documentation.measured import ROOT, is_long, read_measured, write_measured
 from documentation.neutral_steer import neutral_steer_table, save_bode_plot
 from documentation.results import Driven
 from ev_papers.ge_ni2005.source import CASES
-from ev_sim.measures.metric import Metric
+from ev_stack.measures.metric import Metric
 from ev_study.studies.run_study import arguments, figures_of
 from ev_study.studies.study import Results, study_named
 from ev_study.verdicts.need import StudyNeed, drive, kept_by_user

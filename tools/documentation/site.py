@@ -24,9 +24,9 @@ NAMED = re.compile(r"\[[\w/]*?\w+\.md\]\((\w+\.md)(#[\w-]*)?\)|(?<![\w/])docs/(\
 
 # What a user imports, by heading; of the doors for authors of laws all that they import.
 REFERENCE = {
-    "Runs from Python": ("ev_sim",),
-    "What a run gives": ("ev_sim.recording.recording.Recording", "ev_sim.measures.metric.Metric"),
-    "Metrics of a batch": ("ev_sim.batches.observer.Reduction",),
+    "Runs from Python": ("ev_stack",),
+    "What a run gives": ("ev_stack.recording.recording.Recording", "ev_stack.measures.metric.Metric"),
+    "Metrics of a batch": ("ev_stack.batches.observer.Reduction",),
     "Gymnasium": ("ev_doors.learning.environment", "ev_doors.learning.limits.Limit"),
     "Laws": ("ev_core.law",),
     "What laws share": ("ev_control.law",),

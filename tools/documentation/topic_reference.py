@@ -12,7 +12,7 @@ from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.wire import joint_names
-from ev_sim.running.offline import RECORDER
+from ev_stack.running.offline import RECORDER
 
 _WHEEL = "WHEEL"
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from documentation.markdown import table, with_blocks
 from documentation.measured import FOLDER, ROOT, is_long, write_measured
-from ev_sim.measures.metric import FROM_INPUTS, NOT_MEASURED, REPRODUCED
+from ev_stack.measures.metric import FROM_INPUTS, NOT_MEASURED, REPRODUCED
 from ev_study.verdicts.sources import IN_PART, KINDS, NO_VERDICT, Published, published, sources
 from ev_study.verdicts.verdict import SORTS, WITH_ASSUMPTION, Verdict, markdown_row, markdown_table, sort_of
 

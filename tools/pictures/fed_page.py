@@ -9,14 +9,14 @@ from array import array
 from collections.abc import Callable
 from typing import Any
 
-from ev_core.nodes.ros_parameters import descriptor
 from ev_doors.dashboard.controls import node_message
 from ev_doors.dashboard.live_frames import layout_message
 from ev_doors.dashboard.server import Pages, listening
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run
-from ev_sim.views.car import view_channels
+from ev_nodes.stepping.ros_parameters import descriptor
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Run
+from ev_stack.views.car import view_channels
 
 
 class FedPage:

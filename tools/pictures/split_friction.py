@@ -17,10 +17,10 @@ from matplotlib.font_manager import findfont
 from PIL import Image, ImageDraw, ImageFont
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.interface.driving import run
-from ev_sim.measures.motion import heading
-from ev_sim.recording.recording import Recording
-from ev_sim.views.car import PREFIX, Wheel, view_channels, wheels_of
+from ev_stack.interface.driving import run
+from ev_stack.measures.motion import heading
+from ev_stack.recording.recording import Recording
+from ev_stack.views.car import PREFIX, Wheel, view_channels, wheels_of
 
 NAME = "split_friction.gif"
 SCENARIO = "blended_brakes"

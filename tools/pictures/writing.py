@@ -9,9 +9,9 @@ from tempfile import TemporaryDirectory
 from PIL import Image
 
 from documentation.images import COLOURS
-from ev_sim.interface.driving import run
-from ev_sim.recording.recording import PAGE
-from ev_sim.report.result import Result
+from ev_stack.interface.driving import run
+from ev_stack.recording.recording import PAGE
+from ev_stack.report.result import Result
 from pictures.browser import FOUND, Browser
 from pictures.fed_page import FedPage
 

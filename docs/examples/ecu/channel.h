@@ -1,4 +1,4 @@
-/* A CAN channel as the ECU uses it. channel.c is one of the hub (ros2 run ev_sim can_hub); a board has its own. */
+/* A CAN channel as the ECU uses it. channel.c is one of the hub (ros2 run ev_bench can_hub); a board has its own. */
 #ifndef CHANNEL_H
 #define CHANNEL_H
 

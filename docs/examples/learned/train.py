@@ -19,7 +19,7 @@ import ev_doors.learning  # noqa: F401, registers the environments
 from ev_core.law import GRAVITY
 from ev_core.lockstep.configuration import configure
 from ev_core.parameters.declaration import flatten
-from ev_sim.interface.simulation import SteppedLaw
+from ev_stack.interface.simulation import SteppedLaw
 
 ROLE, LAW = "electronic_differential", str(Path(__file__).with_name("policy.py"))
 CARS = ("compact_ev", "layout_1_8_c")

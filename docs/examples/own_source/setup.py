@@ -7,7 +7,7 @@ setup(
     version="0.1.0",
     packages=["own_source"],
     package_data={"own_source": ["published.csv", "config/*/*.yaml"]},
-    install_requires=["ev_control", "ev_sim"],
+    install_requires=["ev_control", "ev_study"],
     entry_points={
         "ev_stack.methods": ["electronic_differential = own_source.law"],  # the node, and the module with its laws
         "ev_stack.config": ["own_source = own_source"],  # the package with the folder config

@@ -1,5 +1,5 @@
 """The node executables that are just their role, such as `ros2 run ev_control asr`."""
 
-from ev_core.run_role import run_named_role
+from ev_nodes.run_role import run_named_role
 
 main = run_named_role

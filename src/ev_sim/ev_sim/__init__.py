@@ -1,31 +1,14 @@
-"""The world around the control laws; from Python `run`, `Simulation` and `batch` (docs/python.md)."""
+"""The world around the control laws: plant, drives, tyres, roads, steering column, driver."""
 
-_MODULES = {
-    "BatchResult": "ev_sim.batches.batch",
-    "ParameterError": "ev_msgs_py.refusal",
-    "Result": "ev_sim.report.result",
-    "SignalError": "ev_msgs_py.contract.fields",
-    "Simulation": "ev_sim.interface.simulation",
-    "batch": "ev_sim.interface.driving",
-    "run": "ev_sim.interface.driving",
-}
-
-__all__ = [*_MODULES]  # their types are in __init__.pyi
+_IN_EV_STACK = ("BatchResult", "ParameterError", "Result", "SignalError", "Simulation", "__version__", "batch", "run")
 
 
 def __getattr__(name: str) -> object:
-    """What takes long to import is imported when it is asked for."""
-    if name == "__version__":
-        from importlib.metadata import version
+    """What has moved to ev_stack, with one line that says so; for the release after 0.1 no more."""
+    if name not in _IN_EV_STACK:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    import warnings
+    from importlib import import_module
 
-        return version(__name__)
-    if name in _MODULES:
-        from importlib import import_module
-
-        return getattr(import_module(_MODULES[name]), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    """What is there, whether it has been imported yet or not."""
-    return sorted({*globals(), *_MODULES, "__version__"})
+    warnings.warn(f"ev_sim.{name} is ev_stack.{name} now: import ev_stack", FutureWarning, stacklevel=2)
+    return getattr(import_module("ev_stack"), name)

@@ -12,8 +12,8 @@ from judging import drive_here
 from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import METHODS, case, case_name
 from ev_papers.dissertation.studies.five_methods import judged_quantity
-from ev_sim.commands.run_scenario import main
 from ev_sim.surfaces import SURFACES
+from ev_stack.commands.run_scenario import main
 from ev_study.studies.study import CaseResult
 
 pytestmark = pytest.mark.slow

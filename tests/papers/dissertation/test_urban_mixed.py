@@ -18,12 +18,12 @@ from ev_papers.dissertation.measures import circuits
 from ev_papers.dissertation.measures import traction_windows as cycle
 from ev_papers.dissertation.measures.motors_and_cells import electrical_metrics
 from ev_papers.dissertation.measures.slip_curve import first_passed_peak
-from ev_sim.measures.handling import share_of, surfaces_under
-from ev_sim.measures.metric import NotMeasured
 from ev_sim.profiles.cycle_windows import MODES, TRACTION
-from ev_sim.recording.recording import Recording
-from ev_sim.report.reports import report_for
 from ev_sim.surfaces import RoadParameters, left_and_right
+from ev_stack.measures.handling import share_of, surfaces_under
+from ev_stack.measures.metric import NotMeasured
+from ev_stack.recording.recording import Recording
+from ev_stack.report.reports import report_for
 
 ROOT = Path(__file__).parents[3]
 DRIVERS = ("tracking", "pulse", "imposed_speed")
@@ -259,7 +259,7 @@ def test_metrics_are_the_printed_formulas(driver):
 
 @pytest.mark.parametrize("driver", ["pulse", "imposed_speed"])
 def test_figures_have_quantities_and_units(driver):
-    from ev_sim.figures.sheets import drawn
+    from ev_stack.figures.sheets import drawn
 
     figures = drawn(report_for("urban_mixed").figures({"urban_mixed": driven(driver)}, CAR, PARAMETERS))
     assert list(figures) == FIGURES
@@ -300,8 +300,8 @@ def test_motors_and_cells_are_shown_where_they_are_modelled():
 @pytest.mark.slow
 def test_figures_say_what_is_missing(tmp_path):
     """No cycle, no tyre forces, all wheels driven: drawn, with the reason in place of curves."""
-    from ev_sim.figures.saving import save_figures
-    from ev_sim.figures.sheets import drawn
+    from ev_stack.figures.saving import save_figures
+    from ev_stack.figures.sheets import drawn
 
     few = Recording(np.arange(200) * PERIOD, {"twist.longitudinal": np.zeros(200), "twist.lateral": np.zeros(200)})
     for car in (CAR, dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES), dataclasses.replace(CAR, driven_wheels=())):

@@ -11,8 +11,8 @@ from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.refusal import ParameterError
 from ev_papers.dissertation.studies.bench_convergence import case as part_of_cycle
 from ev_papers.dissertation.studies.bench_difference import IDEAL, apart, ideal, measure
-from ev_sim.recording.offline import run_offline
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.studies.study import drive_case
 
 LENGTH = 24.0  # s: rest, pulling away, two surfaces, spinning wheels

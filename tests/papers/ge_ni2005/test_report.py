@@ -11,8 +11,8 @@ from source_runs import driven, metrics_of, value
 
 from ev_papers.ge_ni2005 import paper
 from ev_papers.ge_ni2005.source import ORDERINGS, READINGS
-from ev_sim.measures import motion
-from ev_sim.measures.understeer import understeer_gradient
+from ev_sim.understeer import understeer_gradient
+from ev_stack.measures import motion
 
 QUANTITIES = ("yaw_rate", "sideslip", "lateral_speed", "radius", "centripetal_acceleration")
 

@@ -9,10 +9,10 @@ import pytest
 from source_runs import driven, value
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures import motion
-from ev_sim.measures.handling import energy_since_turning_in, turning_in, tyre_force
-from ev_sim.recording.offline import run_offline
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.measures import motion
+from ev_stack.measures.handling import energy_since_turning_in, turning_in, tyre_force
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 # Changes of F_y by the correction at 8.5 m/s [N]: an independent calculation with 100 N m and 50 % at pi/10.
 EXPECTED = {

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ev_papers.zhileykin2018.grid import deviation_from_circle
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.recording.recording import Recording
+from ev_stack.measures.metric import NotMeasured
+from ev_stack.recording.recording import Recording
 
 TIME = np.linspace(0.0, 5.0, 501)
 

@@ -12,8 +12,8 @@ from ev_core.vehicle.description import Suspension
 from ev_msgs_py.contract.signals import TireForces, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.measures.understeer import understeer_gradient
-from ev_sim.scenarios.about import vehicle_of
+from ev_sim.understeer import understeer_gradient
+from ev_stack.scenarios.about import vehicle_of
 from ev_study.analysis.linear_models import single_track, tangent_speed, yaw_damping, yaw_gain
 from ev_study.analysis.linearised_plant import OperatingPoint, linearised
 

@@ -22,8 +22,8 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.drives.driveline import COUPLING_POINT, converter_torques, full_load_torque, shaft_speeds, wheel_torques
 from ev_sim.plant.planar.planar_state import index
-from ev_sim.recording.offline import run_offline
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 CARS = ("layout_1_8_b", "centre_dccd", "engine_4x4")
 ENGINE = Engine(peak_power=110e3)
@@ -241,7 +241,7 @@ def allowed(role: str, vehicle: str) -> set[str]:
 
 
 def _told(vehicle: str) -> dict[str, object]:
-    from ev_sim.scenarios.about import vehicle_file
+    from ev_stack.scenarios.about import vehicle_file
 
     values = vehicle_file(vehicle).values_for("/ev/driver")
     return {name.removeprefix("vehicle."): value for name, value in values.items()}

@@ -18,8 +18,8 @@ from ev_core.vehicle.motor import Engine, Gearbox
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.drives.driveline import EngineState, advance_engine
 from ev_sim.plant.planar.planar_state import VX, WHEEL_SPEED, index
-from ev_sim.recording.offline import run_offline
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 OUTPUT, GEAR = index("engine.output"), index("engine.gear")
 SPLIT = {"road__left": ("ice",), "road__right": ("dry_asphalt",)}

@@ -1,9 +1,9 @@
 """The report on the scenario own_source: its verdicts as metrics, and figure 1 of the source."""
 
-from ev_sim.figures.panels import degrees, over_time
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures import motion
-from ev_sim.measures.metric import channel
+from ev_stack.figures.panels import degrees, over_time
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures import motion
+from ev_stack.measures.metric import channel
 from ev_study.verdicts.need import ScenarioRuns
 from ev_study.verdicts.verdict import metrics_at_hand
 

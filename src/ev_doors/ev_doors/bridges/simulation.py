@@ -16,10 +16,10 @@ from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
-from ev_core.nodes.master.schedule import TIME_SERVICES
-from ev_core.nodes.runner_line import TIME_SERVICE
 from ev_doors.bridges import needed
 from ev_msgs_py.contract.roles import MASTER
+from ev_nodes.master.schedule import TIME_SERVICES
+from ev_nodes.stepping.runner_line import TIME_SERVICE
 
 _PACKAGE = "simulation_interfaces"
 _FEATURES = (

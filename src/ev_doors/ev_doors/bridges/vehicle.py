@@ -12,10 +12,10 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message
 
-from ev_core.nodes.signal_io import Reader
-from ev_core.nodes.stepped_node import SteppedNode
 from ev_doors.bridges import needed
 from ev_msgs_py.contract import stamps
+from ev_nodes.stepping.signal_io import Reader
+from ev_nodes.stepping.stepped_node import SteppedNode
 
 _LAW = str(Path(__file__).with_name("commanded.py"))
 _EXCHANGE_PERIOD = 0.01  # s of wall time between looks for commands

@@ -5,12 +5,12 @@ from __future__ import annotations
 import sys
 from functools import partial
 
-from ev_core.nodes.stop_request import StopRequest
-from ev_core.run_role import run_node
 from ev_doors.bridges import needed
-from ev_sim.command_line.refusal import Parser, refuse
-from ev_sim.commands.present_graph import in_the_graph, master_namespace
-from ev_sim.recording.outcome import RunFailed
+from ev_nodes.run_role import run_node
+from ev_nodes.stepping.stop_request import StopRequest
+from ev_stack.command_line.refusal import Parser, refuse
+from ev_stack.commands.present_graph import in_the_graph, master_namespace
+from ev_stack.recording.outcome import RunFailed
 
 _VEHICLES = ("autoware", "ackermann")
 _SIMULATION = "simulation_interfaces"

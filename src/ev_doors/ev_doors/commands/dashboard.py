@@ -13,14 +13,14 @@ from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 
 from ev_core.methods.offered import offered
-from ev_core.nodes.stop_request import STOPPED
 from ev_msgs_py.refusal import quoted
-from ev_sim.command_line.numbers import PORT
-from ev_sim.command_line.offered_commands import STUDIES
-from ev_sim.command_line.refusal import Parser, refuse
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.running.children import ends_with_us
-from ev_sim.running.domain import free_domain, reserved_domains
+from ev_nodes.stepping.stop_request import STOPPED
+from ev_stack.command_line.numbers import PORT
+from ev_stack.command_line.offered_commands import STUDIES
+from ev_stack.command_line.refusal import Parser, refuse
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.running.children import ends_with_us
+from ev_stack.running.domain import free_domain, reserved_domains
 
 _NO_DDS = ("--offline", "--list", "--help", "-h")
 
@@ -95,7 +95,7 @@ def _run_of(words: Sequence[str], domain: int) -> Iterator[subprocess.Popen | No
         yield None
         return
     scenario, *others = words
-    command = [sys.executable, "-c", "from ev_sim.commands.ev_stack import main; main()", "run", scenario]
+    command = [sys.executable, "-c", "from ev_stack.commands.program import main; main()", "run", scenario]
     run = subprocess.Popen(
         [*command, "--set", "plant.real_time_factor=1", *others],
         env={**os.environ, "ROS_DOMAIN_ID": str(domain)},

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.command_line.options import add_overrides, overrides
-from ev_sim.command_line.paths import output_folder
-from ev_sim.command_line.refusal import Parser, refuse
+from ev_stack.command_line.options import add_overrides, overrides
+from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.refusal import Parser, refuse
 
 if TYPE_CHECKING:
     from ev_doors.export.content import Content
@@ -74,7 +74,7 @@ def _words(text: str) -> list[str]:
 
 def _content(given: Namespace) -> Content:
     from ev_doors.export.content import Content
-    from ev_sim.interface.driving import only_run
+    from ev_stack.interface.driving import only_run
 
     run = only_run(given.scenario, given.run, overrides(given))
     return Content(run, _words(given.only), _words(given.without))

@@ -9,9 +9,9 @@ from rclpy.exceptions import InvalidNamespaceException
 from rclpy.validate_namespace import validate_namespace
 
 from ev_doors.security.permissions import permissions, permissions_in_use, policy_file, violations
-from ev_sim.command_line.refusal import Parser, refuse
-from ev_sim.commands.present_graph import in_the_graph
-from ev_sim.recording.outcome import RunFailed
+from ev_stack.command_line.refusal import Parser, refuse
+from ev_stack.commands.present_graph import in_the_graph
+from ev_stack.recording.outcome import RunFailed
 
 _ABOUT_POLICIES = "Write the policy file of the graph for DDS security, or hold the running graph against it."
 

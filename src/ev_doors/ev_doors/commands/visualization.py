@@ -8,15 +8,15 @@ import time
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
-from ev_core.nodes.ros_domain import given_domain
-from ev_core.nodes.stop_request import StopRequest
-from ev_core.run_role import NO_LOG_FILE, OF_ROS, leave_graph, one_line
 from ev_doors.dashboard.controls import Controls
 from ev_doors.dashboard.live_frames import LiveFrames
 from ev_doors.dashboard.ros_views import RosViews
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.command_line.refusal import refuse
-from ev_sim.views.messages import CarViews
+from ev_nodes.run_role import NO_LOG_FILE, OF_ROS, leave_graph, one_line
+from ev_nodes.stepping.ros_domain import given_domain
+from ev_nodes.stepping.stop_request import StopRequest
+from ev_stack.command_line.refusal import refuse
+from ev_stack.views.messages import CarViews
 
 _VISUALIZATION = "visualization"  # in the graph
 _VIEW_PERIOD = 0.05  # s of wall time between two looks

@@ -16,11 +16,11 @@ from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from ev_core.nodes import ros_parameters
-from ev_core.nodes.master.schedule import TIME_SERVICES
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import quoted
-from ev_sim.commands.parameter_text import parameter_of
+from ev_nodes.master.schedule import TIME_SERVICES
+from ev_nodes.stepping import ros_parameters
+from ev_stack.commands.parameter_text import parameter_of
 
 _LONGEST_LINE = 400  # characters
 _PATIENCE = 3.0  # s of wall time for a node to answer

@@ -16,9 +16,6 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
-from ev_core.nodes import runner_line
-from ev_core.nodes.reports import HEALTH, NOTED
-from ev_core.nodes.signal_io import HELD, Reader, SignalReader
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, SIZE, TIME
@@ -27,9 +24,12 @@ from ev_msgs_py.contract.signals import BodyVelocity
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, shown
 from ev_msgs_py.wire import MessageError, format_of
-from ev_sim.recording.recording import Recording, recording_of
-from ev_sim.report.page.plot_groups import groups_of
-from ev_sim.views.car import PREFIX, car_of, vehicle_in, view_channels
+from ev_nodes.stepping import runner_line
+from ev_nodes.stepping.reports import HEALTH, NOTED
+from ev_nodes.stepping.signal_io import HELD, Reader, SignalReader
+from ev_stack.recording.recording import Recording, recording_of
+from ev_stack.report.page.plot_groups import groups_of
+from ev_stack.views.car import PREFIX, car_of, vehicle_in, view_channels
 
 _MOST = 1000  # different ones that are remembered
 

@@ -11,9 +11,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.wire import message_class
-from ev_sim.recording.recording import Recording
-from ev_sim.recording.shown import View
-from ev_sim.views.messages import VIEWS, CarViews
+from ev_stack.recording.recording import Recording
+from ev_stack.recording.shown import View
+from ev_stack.views.messages import VIEWS, CarViews
 
 _HELD = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for subscribers that come later
 

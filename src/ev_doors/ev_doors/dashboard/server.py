@@ -27,10 +27,10 @@ from tornado.netutil import bind_sockets
 from ev_doors.dashboard.controls import GRAPH_PERIOD, Controls, line
 from ev_doors.dashboard.live_frames import LiveFrames, Reported
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.report.page.writing import filled
-from ev_sim.running.node_reports import observing
-from ev_sim.scenarios.about import NAMESPACE
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.report.page.writing import filled
+from ev_stack.running.node_reports import observing
+from ev_stack.scenarios.about import NAMESPACE
 
 ADDRESS = "127.0.0.1"  # no other machine can ask
 _KEPT = 1200  # rows that a page gets when it is opened

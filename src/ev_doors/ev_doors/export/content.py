@@ -25,7 +25,7 @@ from ev_core.sensors.row import SensorRow
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.scenarios.scenario import Run
+from ev_stack.scenarios.scenario import Run
 
 
 class Channel(NamedTuple):
@@ -70,7 +70,7 @@ class Part(NamedTuple):
 
 
 class Content:
-    """A run with `only` some of its roles, or `without` some, as `ev_sim.Simulation` steps it.
+    """A run with `only` some of its roles, or `without` some, as `ev_stack.Simulation` steps it.
 
     What the roles that are left out would write are its inputs. `bare` are those kept without their sensors and faults.
 

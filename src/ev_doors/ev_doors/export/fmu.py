@@ -16,8 +16,8 @@ from ev_doors.export.content import Content
 from ev_doors.export.library import Library, low_of
 from ev_doors.export.targets import Target
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.recording.recording import atomic_file
-from ev_sim.running.output_folder import OutputFolder
+from ev_stack.recording.recording import atomic_file
+from ev_stack.running.output_folder import OutputFolder
 
 VERSIONS = (2, 3)
 _OPTIONS = ("-std=gnu2x", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared", "-s")
@@ -118,7 +118,7 @@ def _description(library: Library, fmi: int, target: Target, folder: Path) -> Pa
         ["modelDescription.xml"],
         fmi=fmi,
         token=_token(library),
-        version=version("ev_sim"),
+        version=version("ev_stack"),
         period=content.period / 1e9,
         units={each.of_value["unit"]: base_unit(each.of_value["unit"]) for each in variables},
         variables=variables,

@@ -21,8 +21,8 @@ from ev_msgs_py.contract.fields import NEGLIGIBLE
 from ev_msgs_py.contract.frame import UNSIGNED_COMMANDS
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.recording.recording import atomic_file
-from ev_sim.running.output_folder import OutputFolder
+from ev_stack.recording.recording import atomic_file
+from ev_stack.running.output_folder import OutputFolder
 
 PROTOCOL = 2  # version of what program.c answers
 _PER_LINE = 8  # constants
@@ -179,7 +179,7 @@ def write_library(content: Content, name: str, target: Target, directory: Path) 
             raise ParameterError(f"target {target.name}: the loop calls {', '.join(foreign)}, which is not everywhere")
         archive = target.archive([*objects, loop], folder / f"lib{library.name}.a")
         more = {
-            "version": version("ev_sim"),
+            "version": version("ev_stack"),
             "called": sorted(called) or ["nothing"],
             "methods": [f"{role} {content.run.configurations[role].method.name}" for role in content.roles],
             **library.sizes(objects),

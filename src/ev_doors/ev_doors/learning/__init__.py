@@ -1,6 +1,6 @@
 """Gymnasium environments; importing it registers their ids (docs/embedding.md)."""
 
-from ev_sim.interface import extra
+from ev_stack.interface import extra
 
 IDS = {  # -> arguments of Environment
     "ev_sim/TorqueSplit-v0": {"scenario": "double_lane_change", "action": "torque_split"},

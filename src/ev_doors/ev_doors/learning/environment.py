@@ -1,4 +1,4 @@
-"""A Gymnasium environment around `ev_sim.Simulation`: any scenario, one role of it played by a learner.
+"""A Gymnasium environment around `ev_stack.Simulation`: any scenario, one role of it played by a learner.
 
 An action names the role whose place the learner takes, and how its numbers become what that role writes.
 """
@@ -24,9 +24,9 @@ from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueCommand, Wheel
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.interface.driving import Name
-from ev_sim.interface.simulation import Simulation, SteppedLaw
 from ev_sim.plant.guard import guard_limits
+from ev_stack.interface.driving import Name
+from ev_stack.interface.simulation import Simulation, SteppedLaw
 
 Frame = Mapping[str, float]
 
@@ -119,7 +119,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     - `render_mode`: "rgb_array" for pictures of the car from above by `render`, (480, 480, 3) of uint8.
 
     What is observed ends at its limit, as a sensor does: `limits` has it by channel, with its reason. `run` and the
-    arguments from `method` on are those of `ev_sim.Simulation`. The scenario's own law goes along: `info["own"]` is
+    arguments from `method` on are those of `ev_stack.Simulation`. The scenario's own law goes along: `info["own"]` is
     the action that stands for its output, and what no action gives (brakes, pedals) is its output. `info["frame"]` has
     all channels of the instant. Everything random follows from the seed of `reset`; without one each episode has
     another.
@@ -187,7 +187,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin again at rest; `seed` is that of the scenario, too: with it the signals are those of `ev_sim.run`.
+        """Begin again at rest; `seed` is that of the scenario, too: with it the signals are those of `ev_stack.run`.
 
         A scenario has seeds below 2^31: for a larger one its seed is drawn. ParameterError for `options`: there are
         none, an episode begins as the environment was made.

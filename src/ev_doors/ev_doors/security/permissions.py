@@ -8,11 +8,10 @@ from xml.etree import ElementTree
 
 from rclpy.node import Node
 
-from ev_core.nodes.master.schedule import TIME_SERVICES
 from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER_WRITES, ROLES, Role
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.running.offline import RECORDER
-from ev_sim.test_bench.sequence import SERVICES
+from ev_nodes.master.schedule import TIME_SERVICES
+from ev_stack.running.offline import RECORDER
 
 _CLOCK = frozenset({"/clock"})
 _LOG = frozenset({"/rosout"})
@@ -51,10 +50,6 @@ class Permissions:
         )
 
 
-# What a role serves beside its parameters.
-_OWN_SERVICES = {MASTER: TIME_SERVICES, "test_bench": SERVICES}
-
-
 def permissions(namespace: str) -> dict[str, Permissions]:
     """The permissions of every role and of the recorder in a namespace such as /ev; the runner is not in the graph."""
     found = [_of_role(role, namespace) for role in ROLES.values()]
@@ -67,11 +62,14 @@ def _of_role(role: Role, namespace: str) -> Permissions:
     writes, reads = _topics(role.may_write, namespace), _topics(role.reads, namespace)
     if role.name == MASTER:
         writes, reads = writes | _CLOCK, reads | _topics((RECORDER_WRITES,), namespace)
-    return _of_node(role.name, writes, reads, namespace)
+    own_services = tuple(TIME_SERVICES) if role.name == MASTER else role.services
+    return _of_node(role.name, writes, reads, namespace, own_services)
 
 
-def _of_node(name: str, writes: frozenset[str], reads: frozenset[str], namespace: str) -> Permissions:
-    services = (*_PARAMETER_SERVICES, *_OWN_SERVICES.get(name, ()))
+def _of_node(
+    name: str, writes: frozenset[str], reads: frozenset[str], namespace: str, own_services: tuple[str, ...] = ()
+) -> Permissions:
+    services = (*_PARAMETER_SERVICES, *own_services)
     serves = frozenset(f"{namespace}/{name}/{service}" for service in services)
     return Permissions(name, writes | _LOG | _PARAMETER_EVENTS | _REPORTS, reads, serves)
 

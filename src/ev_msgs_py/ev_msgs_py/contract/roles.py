@@ -24,7 +24,8 @@ class Role:
 
     `default_method` plays the role where no parameter names another; a role that is `optional` is played only where a
     parameter chooses its method. A method reads only what it uses, and a plant model writes only what it can know
-    (`writes` is what it may write). What a role `offers` is written only by methods that declare it.
+    (`writes` is what it may write). What a role `offers` is written only by methods that declare it. Its `services`
+    are std_srvs/Trigger, below the name of its node.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Role:
     default_method: str
     optional: bool = False
     offers: tuple[type, ...] = ()
+    services: tuple[str, ...] = ()
 
     @property
     def may_write(self) -> tuple[type, ...]:
@@ -51,6 +53,19 @@ _BODY = (
     signals.BatteryCondition,
 )
 _ELECTRICAL = (optional.MotorElectrics, optional.MotorTemperatures, optional.CellCondition)
+
+# The test sequence of the bench, in order: first the object of control is chosen.
+BENCH_SERVICES = (
+    "choose_both",
+    "choose_right",
+    "choose_left",
+    "connect",
+    "load_model",
+    "start",
+    "siemens_rev_0",
+    "disconnect",
+    "emergency_stop",
+)
 
 ROLES = {
     role.name: role
@@ -99,6 +114,7 @@ ROLES = {
             ),
             default_method="circuits",
             optional=True,
+            services=BENCH_SERVICES,
         ),
         Role(
             "driver",

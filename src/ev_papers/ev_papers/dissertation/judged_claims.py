@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from ev_papers.dissertation.measures.slip_curve import first_passed_peak, slip_and_road_torque
-from ev_sim.measures.metric import NotMeasured, channel, run_named
-from ev_sim.recording.recording import Recording
 from ev_sim.surfaces import SURFACES
+from ev_stack.measures.metric import NotMeasured, channel, run_named
+from ev_stack.recording.recording import Recording
 from ev_study.verdicts.need import ScenarioRuns, StudyCases
 
 _GROUPS = {  # of section 1.4: by forecast of slip, by slip, by torque; the last one is the dissertation's own

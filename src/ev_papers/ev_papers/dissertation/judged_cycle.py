@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ev_bench.machines.sequence import SEQUENCE_STEPS, Sequence
 from ev_core.parameters.data_file import find_file
 from ev_core.vehicle.driveline import wheel_inertia
 from ev_core.vehicle.losses import loss_power
@@ -23,9 +24,8 @@ from ev_papers.dissertation.measures.slip_curve import (
 )
 from ev_papers.dissertation.measures.traction_windows import traction
 from ev_papers.dissertation.studies.bench_difference import apart
-from ev_sim.measures.metric import channel, run_named
-from ev_sim.recording.recording import Recording
-from ev_sim.test_bench.sequence import SEQUENCE_STEPS, Sequence
+from ev_stack.measures.metric import channel, run_named
+from ev_stack.recording.recording import Recording
 from ev_study.verdicts.need import ScenarioRuns
 
 _KILOMETRE_PER_HOUR = 1 / 3.6  # [m/s]

@@ -18,7 +18,7 @@ from ev_papers.dissertation.studies.five_methods import (
     savings,
     values_of,
 )
-from ev_sim.measures.metric import NotMeasured
+from ev_stack.measures.metric import NotMeasured
 from ev_study.verdicts.need import StudyCases
 
 _IMPOSED_SPEED = "imposed_speed"

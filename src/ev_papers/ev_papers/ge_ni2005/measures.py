@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from ev_papers.ge_ni2005 import paper, quantities
 from ev_papers.ge_ni2005.quantities import QUANTITIES, response_time, slip
-from ev_sim.measures import motion
-from ev_sim.measures.metric import channel, run_named
+from ev_stack.measures import motion
+from ev_stack.measures.metric import channel, run_named
 from ev_study.verdicts.need import ScenarioRuns, StudyCases
 
 BASELINE = "equal_torque"

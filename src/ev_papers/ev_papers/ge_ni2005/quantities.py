@@ -8,9 +8,9 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.ge_ni2005 import paper
-from ev_sim.measures import motion
-from ev_sim.measures.metric import NotMeasured, channel, last
-from ev_sim.recording.recording import Recording
+from ev_stack.measures import motion
+from ev_stack.measures.metric import NotMeasured, channel, last
+from ev_stack.recording.recording import Recording
 
 OfRun = Callable[[Recording], float]
 

@@ -28,11 +28,11 @@ from ev_papers.ge_ni2005.quantities import (
     rim_speed,
     slip,
 )
-from ev_sim.figures.panels import Curve, Panel, degrees, level, panel, readable
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
-from ev_sim.recording.recording import Recording
+from ev_stack.figures.panels import Curve, Panel, degrees, level, panel, readable
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures import motion
+from ev_stack.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
+from ev_stack.recording.recording import Recording
 from ev_study.verdicts.check import Check
 from ev_study.verdicts.measure import Template, measures_of
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ev_papers.ge_ni2005.quantities import QUANTITIES, SIDES, slip
-from ev_sim.measures.metric import Metric, channel
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run
+from ev_stack.measures.metric import Metric, channel
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, Results, metrics_of_cases, rows_of_cases
 
 ABOUT = "Ge & Ni 2005: wheel speeds after Ackermann beside slip targets and equal torques - turn, wheel radius, road"

@@ -22,15 +22,16 @@ from ev_control.torque_vectoring.reference import (
 from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures import motion
-from ev_sim.measures.handling import peak_sideslip
-from ev_sim.measures.metric import channel
-from ev_sim.measures.registry import METRICS, DrivenRun
-from ev_sim.measures.understeer import axle_cornering_stiffnesses
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
-from ev_sim.scenarios.slow_ramp import AT_CROSSING, angle_at
 from ev_sim.surfaces import SURFACES
+from ev_sim.understeer import axle_cornering_stiffnesses
+from ev_stack.measures import motion
+from ev_stack.measures.handling import peak_sideslip
+from ev_stack.measures.metric import channel
+from ev_stack.measures.named import DrivenRun
+from ev_stack.measures.registry import METRICS
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.scenarios.slow_ramp import AT_CROSSING, angle_at
 from ev_study.studies.study import Case, Results
 
 Values = tuple[tuple[str, str, Any], ...]

@@ -23,7 +23,7 @@ from ev_papers.outside_checks.cases import (
     law,
     of_draws,
 )
-from ev_sim.measures.metric import Metric, metric
+from ev_stack.measures.metric import Metric, metric
 from ev_study.studies.study import Case, Results
 
 ABOUT = "De Novellis 2014: wrong friction told to PI and two second-order sliding modes, with and without a sideslip loop"

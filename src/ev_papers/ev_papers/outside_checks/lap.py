@@ -14,11 +14,12 @@ import numpy as np
 
 from ev_papers.outside_checks import cases as drawn_cases
 from ev_papers.outside_checks.cases import BASE, LAW, SENSORS, TRUTH, Values, drawn, interval, law
-from ev_sim.measures.handling import peak_sideslip
-from ev_sim.measures.metric import Metric, NotMeasured, metric
-from ev_sim.measures.registry import METRICS, driven_run
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run
+from ev_stack.measures.handling import peak_sideslip
+from ev_stack.measures.metric import Metric, NotMeasured, metric
+from ev_stack.measures.named import driven_run
+from ev_stack.measures.registry import METRICS
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, Results
 
 ABOUT = "Broere 2021: the best clean lap with torque vectoring against a fixed split, over the driver's speed"

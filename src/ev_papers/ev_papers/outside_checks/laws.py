@@ -24,7 +24,7 @@ from ev_papers.outside_checks.cases import (
     law,
     of_draws,
 )
-from ev_sim.measures.metric import Metric, metric
+from ev_stack.measures.metric import Metric, metric
 from ev_study.studies.study import Case, Results
 
 ABOUT = "Asperti 2024 and others: torque vectoring part by part on known friction, and with tyres told wrongly"

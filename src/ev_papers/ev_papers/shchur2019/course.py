@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.measures import handling, motion
-from ev_sim.measures.metric import Metric, channel
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run
+from ev_stack.measures import handling, motion
+from ev_stack.measures.metric import Metric, channel
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, Results, metrics_of_cases, rows_of_cases
 
 ABOUT = (

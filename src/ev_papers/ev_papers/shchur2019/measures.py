@@ -10,10 +10,10 @@ import numpy as np
 
 from ev_papers.shchur2019 import paper
 from ev_papers.shchur2019.step_response import StepResponse, first_peaks, step_response
-from ev_sim.measures import motion
-from ev_sim.measures.metric import channel, last, run_named
 from ev_sim.plant.kinematic import front_wheel_angles, path_curvature, wheel_speed_ratios
-from ev_sim.recording.recording import Recording
+from ev_stack.measures import motion
+from ev_stack.measures.metric import channel, last, run_named
+from ev_stack.recording.recording import Recording
 from ev_study.verdicts.need import ScenarioRuns
 
 SETTLING_BAND = 0.05

@@ -13,11 +13,11 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.shchur2019 import paper
-from ev_sim.figures.panels import Curve, Panel, panel
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, Parameters, Runs, channel, run_named
-from ev_sim.recording.recording import Recording
+from ev_stack.figures.panels import Curve, Panel, panel
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures import motion
+from ev_stack.measures.metric import Metric, Parameters, Runs, channel, run_named
+from ev_stack.recording.recording import Recording
 from ev_study.verdicts.need import ScenarioRuns
 from ev_study.verdicts.verdict import metrics_at_hand
 

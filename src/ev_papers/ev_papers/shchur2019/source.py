@@ -14,11 +14,11 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_papers.shchur2019 import measures, paper, report_steps
-from ev_sim.figures.panels import Curve, Panel, degrees, level, panel
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, Parameters, Runs, channel, run_named
-from ev_sim.recording.recording import Recording
+from ev_stack.figures.panels import Curve, Panel, degrees, level, panel
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures import motion
+from ev_stack.measures.metric import Metric, Parameters, Runs, channel, run_named
+from ev_stack.recording.recording import Recording
 from ev_study.verdicts.measure import measures_of
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.panels_page import PublishedPanel, over_time, scheme

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ev_sim.measures.metric import NotMeasured
+from ev_stack.measures.metric import NotMeasured
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from ev_sim.measures import motion
-from ev_sim.measures.handling import (
+from ev_stack.measures import motion
+from ev_stack.measures.handling import (
     energy_since_turning_in,
     total_force,
     turning_in,
     tyre_force,
     when_passing,
 )
-from ev_sim.measures.metric import channel, run_named
+from ev_stack.measures.metric import channel, run_named
 from ev_study.verdicts.need import ScenarioRuns
 
 LAYOUTS = ("front", "rear", "all")

@@ -18,10 +18,10 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_papers.tatar_chudzik import measures
 from ev_papers.tatar_chudzik.measures import CONTROLS, CORRECTED, EQUAL, LAYOUTS, WHEELS
-from ev_sim.figures.panels import Curve, Panel, panel, readable
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures import motion
-from ev_sim.measures.handling import (
+from ev_stack.figures.panels import Curve, Panel, panel, readable
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures import motion
+from ev_stack.measures.handling import (
     energy_since_turning_in,
     time_since_turning_in,
     total_force,
@@ -29,7 +29,7 @@ from ev_sim.measures.handling import (
     tyre_force,
     when_passing,
 )
-from ev_sim.measures.metric import (
+from ev_stack.measures.metric import (
     Metric,
     NotMeasured,
     Parameters,
@@ -38,7 +38,7 @@ from ev_sim.measures.metric import (
     metric,
     run_named,
 )
-from ev_sim.recording.recording import Recording
+from ev_stack.recording.recording import Recording
 from ev_study.verdicts.measure import measures_of
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.panels_page import PublishedPanel, over_time, scheme

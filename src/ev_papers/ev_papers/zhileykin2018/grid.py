@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.measures.handling import peak_sideslip
-from ev_sim.measures.metric import NotMeasured, channel
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run, load_scenario
+from ev_stack.measures.handling import peak_sideslip
+from ev_stack.measures.metric import NotMeasured, channel
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Run, load_scenario
 from ev_study.studies.study import Case, Results
 
 LIMIT = math.radians(

@@ -29,9 +29,9 @@ from ev_msgs_py.contract.signals import (
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 from ev_papers.zhileykin2018 import grid
 from ev_papers.zhileykin2018.grid import LIMIT, NOMINAL, REAR_DRIVE, SHARES, SWING
-from ev_sim.measures import motion
-from ev_sim.measures.metric import NotMeasured, channel, run_named
-from ev_sim.measures.motion import ROAD_WHEEL_ANGLE, moving
+from ev_stack.measures import motion
+from ev_stack.measures.metric import NotMeasured, channel, run_named
+from ev_stack.measures.motion import ROAD_WHEEL_ANGLE, moving
 from ev_study.analysis.linear_models import SideSlipModel, side_slip_model
 from ev_study.verdicts.need import ScenarioRuns, StudyCases
 

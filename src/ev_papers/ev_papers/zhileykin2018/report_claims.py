@@ -9,11 +9,11 @@ from __future__ import annotations
 from ev_core.vehicle.description import Vehicle
 from ev_papers.zhileykin2018.grid import off_the_path
 from ev_papers.zhileykin2018.source import PEAK_SIDESLIP, track
-from ev_sim.figures.other_axes import plan_view
-from ev_sim.figures.panels import motion_panels
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures.handling import peak_sideslip
-from ev_sim.measures.metric import Metric, Parameters, Runs, metric, run_named
+from ev_stack.figures.other_axes import plan_view
+from ev_stack.figures.panels import motion_panels
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures.handling import peak_sideslip
+from ev_stack.measures.metric import Metric, Parameters, Runs, metric, run_named
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:

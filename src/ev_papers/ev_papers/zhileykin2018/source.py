@@ -22,14 +22,14 @@ from ev_papers.zhileykin2018.grid import (
     SWING,
     turn_arounds,
 )
-from ev_sim.figures.other_axes import plan_view
-from ev_sim.figures.panels import Curve, Panel, motion_panels, over_time, readable
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures import motion
-from ev_sim.measures.handling import peak_sideslip
-from ev_sim.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
-from ev_sim.measures.registry import METRICS
-from ev_sim.recording.recording import Recording
+from ev_stack.figures.other_axes import plan_view
+from ev_stack.figures.panels import Curve, Panel, motion_panels, over_time, readable
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures import motion
+from ev_stack.measures.handling import peak_sideslip
+from ev_stack.measures.metric import Metric, Parameters, Runs, channel, metric, run_named
+from ev_stack.measures.registry import METRICS
+from ev_stack.recording.recording import Recording
 from ev_study.verdicts.measure import measures_of
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.panels_page import PublishedPanel, scheme

@@ -12,11 +12,11 @@ import numpy as np
 from ev_papers.zhileykin2018 import grid
 from ev_papers.zhileykin2018.grid import CONTROLS
 from ev_papers.zhileykin2018.grid import LIMIT as LIMIT
-from ev_sim.measures import motion
-from ev_sim.measures.handling import peak_sideslip
-from ev_sim.measures.metric import Metric, channel, metric
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run
+from ev_stack.measures import motion
+from ev_stack.measures.handling import peak_sideslip
+from ev_stack.measures.metric import Metric, channel, metric
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, Results
 
 ABOUT = "Zhileykin 2018: the sweep without and with active front steering, who holds with the law, the steering, both"

@@ -10,10 +10,10 @@ import numpy as np
 
 from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018.grid import ANGLES, FIXED, FORCES, LIMIT, REAR_DRIVE, SHARES, SWEPT
-from ev_sim.figures.other_axes import number_map
-from ev_sim.figures.panels import readable
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures.metric import Metric, metric
+from ev_stack.figures.other_axes import number_map
+from ev_stack.figures.panels import readable
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures.metric import Metric, metric
 from ev_study.studies.study import Case, Results
 
 ABOUT = (

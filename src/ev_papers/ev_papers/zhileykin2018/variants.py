@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018.grid import BY_LAW, CONTROLS, REAR_DRIVE, Values
-from ev_sim.measures.metric import Metric, metric
+from ev_stack.measures.metric import Metric, metric
 from ev_study.studies.study import Case, Results
 
 ABOUT = "Zhileykin 2018: the sweep with other tyres, cars and readings of the source, where the law holds"

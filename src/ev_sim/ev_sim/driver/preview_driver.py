@@ -12,8 +12,8 @@ from ev_sim.driver import path as paths
 from ev_sim.driver.followers import LOOKING_ROUND, AngleControlState, HandParameters, turn_to_angle
 from ev_sim.driver.pedals import FeetParameters, FeetProfiles, FeetState, driver_method, feet_profiles, work_pedals
 from ev_sim.driver.preview_gains import GAIN_SPEEDS, POINT_STEP, STATES, PreviewGains, PreviewParameters, preview_gains
-from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 from ev_sim.profiles.profile import number_until
+from ev_sim.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 
 _SIZE = len(STATES)
 _TURNS_ALONG = 0.5  # ratio of rear to front angle from which on a car goes aside more than it turns: nothing to learn

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ev_core.law import Vehicle, parameter
-from ev_sim.measures.understeer import axle_cornering_stiffnesses
+from ev_sim.understeer import axle_cornering_stiffnesses
 
 POINT_STEP = 0.05  # [s] from one point of the path that the driver looks at to the next
 STATES = ("lateral_velocity", "yaw_rate", "heading_error", "lateral_error", "wheels", "arms", "intended")

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 from ev_core.law import Car, ParameterError, RearSteeringState, Vehicle, compilable, method, parameter
 from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, TireForces
-from ev_sim.measures.understeer import axle_cornering_stiffnesses
 from ev_sim.profiles.profile import BY_LINES, Profile, profile_of, value_at
 from ev_sim.steering.actuated import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn
+from ev_sim.understeer import axle_cornering_stiffnesses
 
 
 @compilable

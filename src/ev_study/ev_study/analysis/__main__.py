@@ -12,21 +12,21 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.command_line.numbers import real
-from ev_sim.command_line.paths import output_folder
-from ev_sim.command_line.refusal import Parser, refuse
-from ev_sim.figures.saving import figure_files, save_figures
-from ev_sim.measures.understeer import (
+from ev_sim.surfaces import REFERENCE, SURFACES
+from ev_sim.understeer import (
     axle_cornering_stiffnesses,
     axle_masses,
     characteristic_speed,
     critical_speed,
     understeer_gradient,
 )
-from ev_sim.recording.recording import atomic_file
-from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios.about import vehicle_of
-from ev_sim.surfaces import REFERENCE, SURFACES
+from ev_stack.command_line.numbers import real
+from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.refusal import Parser, refuse
+from ev_stack.figures.saving import figure_files, save_figures
+from ev_stack.recording.recording import atomic_file
+from ev_stack.running.output_folder import OutputFolder
+from ev_stack.scenarios.about import vehicle_of
 from ev_study.analysis.linear_models import (
     SideSlipModel,
     side_slip_model,

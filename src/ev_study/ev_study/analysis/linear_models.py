@@ -9,8 +9,8 @@ import numpy as np
 from scipy.signal import StateSpace, ZerosPolesGain
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, tyre_cornering_stiffnesses
 from ev_sim.surfaces import REFERENCE
+from ev_sim.understeer import axle_cornering_stiffnesses, axle_masses, tyre_cornering_stiffnesses
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,12 +18,12 @@ from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_sim.figures.panels import Axes, Curve, Panel
-from ev_sim.figures.sheets import Sheet
 from ev_sim.plant.planar.body import Equations
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, INTEGRATED_SIZE, VX, VY, YAW_RATE, index
 from ev_sim.surfaces import REFERENCE, RoadParameters
+from ev_stack.figures.panels import Axes, Curve, Panel
+from ev_stack.figures.sheets import Sheet
 from ev_study.analysis.linear_models import SideSlipModel
 
 OUTPUTS = ("lateral_velocity", "yaw_rate", "front_slip_angle", "rear_slip_angle")

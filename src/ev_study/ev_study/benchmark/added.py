@@ -15,12 +15,12 @@ from ev_core.parameters.declaration import flatten
 from ev_core.parameters.values import check
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.batches.by_period import PERIOD
-from ev_sim.batches.variation import EVERY_ROLE
-from ev_sim.batches.variation import Variation as VariedRuns
-from ev_sim.scenarios.about import NAMESPACE, configured_file
-from ev_sim.scenarios.parameter_file import ParameterFile
-from ev_sim.scenarios.scenario import Run
+from ev_stack.batches.by_period import PERIOD
+from ev_stack.batches.variation import EVERY_ROLE
+from ev_stack.batches.variation import Variation as VariedRuns
+from ev_stack.scenarios.about import NAMESPACE, configured_file
+from ev_stack.scenarios.parameter_file import ParameterFile
+from ev_stack.scenarios.scenario import Run
 from ev_study.benchmark.board import (
     FRICTION,
     FURTHER,

@@ -13,13 +13,13 @@ from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.variation import EVERY_ROLE
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.own_metrics import named_metrics
-from ev_sim.measures.understeer import axle_cornering_stiffnesses
-from ev_sim.scenarios.scenario import Overrides, Run, Scenario, load_scenario
-from ev_sim.scenarios.slow_ramp import COLUMN, SCALE, angle_at, driven_slowly
 from ev_sim.surfaces import SURFACES
+from ev_sim.understeer import axle_cornering_stiffnesses
+from ev_stack.batches.variation import EVERY_ROLE
+from ev_stack.measures.metric import NotMeasured
+from ev_stack.measures.own_metrics import named_metrics
+from ev_stack.scenarios.scenario import Overrides, Run, Scenario, load_scenario
+from ev_stack.scenarios.slow_ramp import COLUMN, SCALE, angle_at, driven_slowly
 from ev_study.benchmark.board import COSTS, SIDES, Board, Cell, by_role
 from ev_study.benchmark.entry_speed import CLEAN, DRIVEN, searched_at
 

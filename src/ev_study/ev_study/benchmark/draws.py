@@ -12,7 +12,7 @@ import numpy as np
 from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.variation import EVERY_ROLE
+from ev_stack.batches.variation import EVERY_ROLE
 from ev_study.benchmark.board import FRICTION, MOTOR_FAULT, TOLD_FRICTION, Board, Cell, Variation
 from ev_study.benchmark.cell_runs import SEEDS, driven_wheels, surfaces_of
 

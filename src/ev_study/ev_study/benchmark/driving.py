@@ -13,7 +13,7 @@ import numpy as np
 
 from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.scenarios.scenario import Run
+from ev_stack.scenarios.scenario import Run
 from ev_study.benchmark.board import Board, Cell
 from ev_study.benchmark.cell_runs import law_of, law_values, run_of, values_of
 from ev_study.benchmark.draws import drawn, own_draws

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.batches.by_period import batch_by_period
-from ev_sim.batches.whole_runs import Ending
 from ev_sim.driver.path import PathParameters
-from ev_sim.manoeuvres.double_lane_change import is_over, passed
-from ev_sim.measures.handling import peak_sideslip
-from ev_sim.measures.laps import lap_times, laps_begun, leaves
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.measures.registry import DrivenRun, NamedMetric
-from ev_sim.scenarios.scenario import Run
+from ev_stack.batches.by_period import batch_by_period
+from ev_stack.batches.whole_runs import Ending
+from ev_stack.manoeuvres.double_lane_change import is_over, passed
+from ev_stack.measures.handling import peak_sideslip
+from ev_stack.measures.laps import lap_times, laps_begun, leaves
+from ev_stack.measures.metric import NotMeasured
+from ev_stack.measures.named import DrivenRun, NamedMetric
+from ev_stack.scenarios.scenario import Run
 from ev_study.benchmark.board import Board
 from ev_study.benchmark.manoeuvre import Manoeuvre
 

@@ -12,10 +12,10 @@ import numpy as np
 
 from ev_core.lockstep.configuration import Configuration
 from ev_core.parameters.data_file import SIGNALS, files_read, read_data
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.recording.recording import atomic_file
-from ev_sim.running.folder_content import digest_of
-from ev_sim.scenarios.scenario import Run
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.recording.recording import atomic_file
+from ev_stack.running.folder_content import digest_of
+from ev_stack.scenarios.scenario import Run
 from ev_study.benchmark.added import refuse_variations
 from ev_study.benchmark.board import Board, Cell
 from ev_study.benchmark.cell_runs import law_of, run_of, values_of

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from ev_sim.measures import motion
-from ev_sim.measures.metric import HIGHER
-from ev_sim.measures.registry import NamedMetric
+from ev_stack.measures import motion
+from ev_stack.measures.metric import HIGHER
+from ev_stack.measures.named import NamedMetric
 
 ENTRY_SPEED = NamedMetric(
     "entry_speed", "m/s", "speed at the beginning, the highest one that was driven clean",

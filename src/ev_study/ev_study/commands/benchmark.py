@@ -1,6 +1,6 @@
 """The command scripts/run.sh benchmark: laws ranked on a board (docs/benchmark.md).
 
-It raises what `ev_sim.commands.run_scenario.main` catches.
+It raises what `ev_stack.commands.run_scenario.main` catches.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from pathlib import Path
 from ev_core.lockstep.finding import is_code
 from ev_core.parameters.data_file import TEXT, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.command_line.options import add_traceback, arguments, command_of
-from ev_sim.command_line.paths import output_folder
-from ev_sim.command_line.refusal import Parser
-from ev_sim.commands.drive_scenario import drive_scenario
-from ev_sim.figures.saving import save_figures
-from ev_sim.figures.sheets import drawn
-from ev_sim.recording.outcome import announce, bar_of_runs
-from ev_sim.report.summary import versions, write_summary
-from ev_sim.report.tables import text_table
-from ev_sim.running.output_folder import OutputFolder
+from ev_stack.command_line.options import add_traceback, arguments, command_of
+from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.refusal import Parser
+from ev_stack.commands.drive_scenario import drive_scenario
+from ev_stack.figures.saving import save_figures
+from ev_stack.figures.sheets import drawn
+from ev_stack.recording.outcome import announce, bar_of_runs
+from ev_stack.report.summary import versions, write_summary
+from ev_stack.report.tables import text_table
+from ev_stack.running.output_folder import OutputFolder
 from ev_study.benchmark.added import check_laws, with_added
 from ev_study.benchmark.board import Board, Cell, read_board
 from ev_study.benchmark.driving import DrivenCell, drive_cell, drive_law, laws_in_cell

@@ -1,6 +1,6 @@
 """Commands that hold a car against measurement: scripts/run.sh validate and identify (docs/measured.md).
 
-Each raises what `ev_sim.commands.run_scenario.main` catches.
+Each raises what `ev_stack.commands.run_scenario.main` catches.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from typing import Any
 from ev_core.methods.estimator import estimators
 from ev_core.parameters.data_file import SIGNALS, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.command_line.options import add_changes, command_of, files_read, overrides
-from ev_sim.command_line.paths import output_folder
-from ev_sim.command_line.refusal import Parser
-from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios.about import vehicle_file
-from ev_sim.scenarios.parameter_file import ParameterFile
-from ev_sim.scenarios.scenario import Overrides
+from ev_stack.command_line.options import add_changes, command_of, files_read, overrides
+from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.refusal import Parser
+from ev_stack.running.output_folder import OutputFolder
+from ev_stack.scenarios.about import vehicle_file
+from ev_stack.scenarios.parameter_file import ParameterFile
+from ev_stack.scenarios.scenario import Overrides
 from ev_study.measured.free_parameters import GROUPS, free_parameters
 from ev_study.measured.identification import identify
 from ev_study.measured.identified import CAR, FILES_OF_IDENTIFICATION, PARTS, Identified

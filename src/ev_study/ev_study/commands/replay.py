@@ -1,6 +1,6 @@
 """The command scripts/run.sh replay: one role of a recorded run is played again, and its answers are compared.
 
-It raises what `ev_sim.commands.run_scenario.main` catches.
+It raises what `ev_stack.commands.run_scenario.main` catches.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from pathlib import Path
 from ev_core.lockstep.finding import LIBRARIES, is_code
 from ev_core.methods.register import methods_of
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.command_line.options import add_changes, add_outputs, command_of, overrides, printing
-from ev_sim.command_line.paths import output_folder
-from ev_sim.command_line.refusal import Parser
-from ev_sim.recording.outcome import Outcome, progress_bar
-from ev_sim.running.beforehand import compile_for
-from ev_sim.running.offline import run_offline_into
-from ev_sim.scenarios.scenario import Run
+from ev_stack.command_line.options import add_changes, add_outputs, command_of, overrides, printing
+from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.refusal import Parser
+from ev_stack.recording.outcome import Outcome, progress_bar
+from ev_stack.running.beforehand import compile_for
+from ev_stack.running.offline import run_offline_into
+from ev_stack.scenarios.scenario import Run
 from ev_study.replay.graph import Replay, Replayed, prepared, replay_folder, replay_of
 from ev_study.replay.recorded import find_recorded
 
@@ -78,6 +78,6 @@ def _play(replay: Replay, run: Run, folder: Path, command: list[str]) -> Outcome
     with progress_bar(f"replay of {replay.role}", run.duration) as progress:
         if not command:
             return run_offline_into(run, folder, False, progress)
-        from ev_sim.running.processes import run_in_processes
+        from ev_stack.running.processes import run_in_processes
 
         return run_in_processes(run, folder, False, progress, {replay.role: command})

@@ -1,6 +1,6 @@
 """The command scripts/run.sh tune: the parameters of laws by CMA-ES on a board (docs/benchmark.md).
 
-It raises what `ev_sim.commands.run_scenario.main` catches.
+It raises what `ev_stack.commands.run_scenario.main` catches.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.command_line.options import add_traceback, command_of
-from ev_sim.command_line.paths import output_folder
-from ev_sim.command_line.refusal import Parser
-from ev_sim.recording.outcome import announce, bar_of_runs
-from ev_sim.recording.recording import atomic_file
-from ev_sim.running.output_folder import OutputFolder
+from ev_stack.command_line.options import add_traceback, command_of
+from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.refusal import Parser
+from ev_stack.recording.outcome import announce, bar_of_runs
+from ev_stack.recording.recording import atomic_file
+from ev_stack.running.output_folder import OutputFolder
 from ev_study.benchmark.added import check_laws, with_added
 from ev_study.benchmark.board import COSTS, Board, by_role, read_board
 from ev_study.benchmark.cell_runs import law_of, run_of, values_of

@@ -1,6 +1,6 @@
 """Commands about what the sources published: verdicts on all numbers, and every panel of their figures.
 
-Each raises what `ev_sim.commands.run_scenario.main` catches.
+Each raises what `ev_stack.commands.run_scenario.main` catches.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.command_line.paths import output_folder
-from ev_sim.command_line.refusal import Parser
-from ev_sim.recording.outcome import bar_of_runs
-from ev_sim.recording.recording import atomic_file
-from ev_sim.report.tables import WIDTH_OF_A_PIPE
-from ev_sim.running.output_folder import OutputFolder
+from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.refusal import Parser
+from ev_stack.recording.outcome import bar_of_runs
+from ev_stack.recording.recording import atomic_file
+from ev_stack.report.tables import WIDTH_OF_A_PIPE
+from ev_stack.running.output_folder import OutputFolder
 from ev_study.measured.comparisons.comparison import FILE as COMPARISONS
 from ev_study.measured.comparisons.comparison import compare, kept_text
 from ev_study.measured.comparisons.comparison import table as comparison_table

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ev_sim.recording.recording import atomic_file
-from ev_sim.report.tables import text_table
+from ev_stack.recording.recording import atomic_file
+from ev_stack.report.tables import text_table
 from ev_study.measured.free_parameters import FreeParameter, changes
 from ev_study.measured.identification import Fitted, floors_of
 from ev_study.measured.intervals import Knowledge, in_words

@@ -11,12 +11,12 @@ import numpy as np
 from scipy.optimize import nnls
 
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.figures.panels import Axes, Panel
-from ev_sim.figures.saving import save_figures
-from ev_sim.figures.sheets import Sheet
-from ev_sim.recording.recording import SUMMARY, atomic_file
-from ev_sim.report.summary import write_summary
-from ev_sim.report.tables import text_table
+from ev_stack.figures.panels import Axes, Panel
+from ev_stack.figures.saving import save_figures
+from ev_stack.figures.sheets import Sheet
+from ev_stack.recording.recording import SUMMARY, atomic_file
+from ev_stack.report.summary import write_summary
+from ev_stack.report.tables import text_table
 from ev_study.measured.records.record import UNITS
 from ev_study.measured.records.tables import read_columns
 from ev_study.measured.records.units import refuse_other_units

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ev_sim.figures.panels import Axes, Panel, readable
-from ev_sim.figures.saving import save_figures
-from ev_sim.figures.sheets import Sheet
-from ev_sim.figures.strokes import HUES
-from ev_sim.recording.recording import SUMMARY, atomic_file
-from ev_sim.report.summary import write_summary
-from ev_sim.report.tables import text_table
+from ev_stack.figures.panels import Axes, Panel, readable
+from ev_stack.figures.saving import save_figures
+from ev_stack.figures.sheets import Sheet
+from ev_stack.figures.strokes import HUES
+from ev_stack.recording.recording import SUMMARY, atomic_file
+from ev_stack.report.summary import write_summary
+from ev_stack.report.tables import text_table
 from ev_study.measured.magic_formula import combined_lateral, combined_longitudinal
 from ev_study.measured.rig import Sweeps
 from ev_study.measured.tyre_fit import TyreFit

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.nodes.master.real_time import Histogram
 from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.figures.other_axes import histograms
-from ev_sim.figures.sheets import Sheet
-from ev_sim.recording.recording import Recording
-from ev_sim.report.tables import cell, text_table, write_tables
+from ev_nodes.master.real_time import Histogram
+from ev_stack.figures.other_axes import histograms
+from ev_stack.figures.sheets import Sheet
+from ev_stack.recording.recording import Recording
+from ev_stack.report.tables import cell, text_table, write_tables
 from ev_study.replay.recorded import Recorded
 
 _JITTER, _LATENCY = "jitter", "latency"

@@ -12,7 +12,6 @@ import numpy as np
 
 from ev_core.lockstep.configuration import Configuration, configure, refuse_unused
 from ev_core.methods.register import CommonParameters
-from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.declaration import flatten
 from ev_core.parameters.values import entries_by_name
 from ev_msgs_py.contract import frame, stamps
@@ -20,10 +19,11 @@ from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.figures.saving import Print, figure_files, save_figures
-from ev_sim.figures.sheets import drawn
-from ev_sim.recording.outcome import Outcome
-from ev_sim.recording.recording import (
+from ev_nodes.master.real_time import MasterParameters
+from ev_stack.figures.saving import Print, figure_files, save_figures
+from ev_stack.figures.sheets import drawn
+from ev_stack.recording.outcome import Outcome
+from ev_stack.recording.recording import (
     LOG,
     OF_ALL_RUNS,
     PAGE,
@@ -34,13 +34,13 @@ from ev_sim.recording.recording import (
     atomic_file,
     save,
 )
-from ev_sim.report.summary import Summary, write_summary
-from ev_sim.report.tables import TABLES
-from ev_sim.running.offline import write_parameter_file
-from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios.about import VEHICLE, vehicle_file
-from ev_sim.scenarios.parameter_file import ParameterFile
-from ev_sim.scenarios.scenario import Overrides, Run
+from ev_stack.report.summary import Summary, write_summary
+from ev_stack.report.tables import TABLES
+from ev_stack.running.offline import write_parameter_file
+from ev_stack.running.output_folder import OutputFolder
+from ev_stack.scenarios.about import VEHICLE, vehicle_file
+from ev_stack.scenarios.parameter_file import ParameterFile
+from ev_stack.scenarios.scenario import Overrides, Run
 from ev_study.replay import comparing
 from ev_study.replay.comparing import Difference, difference_of
 from ev_study.replay.recorded import Recorded
@@ -251,7 +251,7 @@ class Replayed:
             return ""
         figures = drawn(sheets)
         save_figures(figures, folder.directory)
-        from ev_sim.report.page.writing import Page, Signals, images_of, write_page
+        from ev_stack.report.page.writing import Page, Signals, images_of, write_page
 
         signals = Signals("", runs, self.replay.configuration.common.vehicle)
         text = "\n".join(

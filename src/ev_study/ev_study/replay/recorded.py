@@ -23,12 +23,12 @@ from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.refusal import ParameterError, first_line
 from ev_msgs_py.wire import MessageError, stamp_of
-from ev_sim.recording import recording
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.recording.recording import Recording, load, recording_of
-from ev_sim.recording.spool import MessageTable
-from ev_sim.scenarios.parameter_file import ParameterFile
-from ev_sim.scenarios.scenario import NAMESPACE
+from ev_stack.recording import recording
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.recording.recording import Recording, load, recording_of
+from ev_stack.recording.spool import MessageTable
+from ev_stack.scenarios.parameter_file import ParameterFile
+from ev_stack.scenarios.scenario import NAMESPACE
 
 
 @dataclass(frozen=True)

@@ -18,13 +18,13 @@ from ev_core.vehicle.driveline import drive_train_numbers
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.driver.path import nearest, path_of, point_at
-from ev_sim.figures.panels import Curve, Panel, readable
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures.handling import slip_powers
-from ev_sim.measures.metric import Metric, channel, metric
-from ev_sim.measures.motion import crossing_time, distance_on_path, heading, speed
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run
+from ev_stack.figures.panels import Curve, Panel, readable
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures.handling import slip_powers
+from ev_stack.measures.metric import Metric, channel, metric
+from ev_stack.measures.motion import crossing_time, distance_on_path, heading, speed
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, Results, own_methods, rows_of_cases
 
 VARIANTS = {  # methods of the role asr with another parameter than their own

@@ -13,18 +13,18 @@ import numpy as np
 from ev_core.lockstep.finding import find_method, is_code
 from ev_core.methods.register import methods_of
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.command_line.options import add_metrics
-from ev_sim.figures.other_axes import plan_view
-from ev_sim.figures.panels import Curve, Panel, readable
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, channel
-from ev_sim.measures.own_metrics import listed, named_metric
-from ev_sim.measures.registry import METRICS
-from ev_sim.recording.recording import Recording
-from ev_sim.report.reports import further_metrics, measured_metrics, row_of
-from ev_sim.report.tables import tables_by_width
-from ev_sim.scenarios.scenario import Run
+from ev_stack.command_line.options import add_metrics
+from ev_stack.figures.other_axes import plan_view
+from ev_stack.figures.panels import Curve, Panel, readable
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures import motion
+from ev_stack.measures.metric import Metric, channel
+from ev_stack.measures.own_metrics import listed, named_metric
+from ev_stack.measures.registry import METRICS
+from ev_stack.recording.recording import Recording
+from ev_stack.report.reports import further_metrics, measured_metrics, row_of
+from ev_stack.report.tables import tables_by_width
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, CaseResult, Results, better_by_column, not_measured, run_of_command
 
 ABOUT = "Every electronic differential on the same car in any scenario, one table and one figure"

@@ -20,9 +20,9 @@ from ev_core.methods.offered import offered
 from ev_core.methods.register import Method
 from ev_core.parameters.data_file import config_folders, entry_points
 from ev_msgs_py.packages import OURS
-from ev_sim.command_line.offered_commands import STUDIES
-from ev_sim.report.summary import PACKAGES, versions
-from ev_sim.scenarios.about import REPORTS
+from ev_stack.command_line.offered_commands import STUDIES
+from ev_stack.report.summary import PACKAGES, versions
+from ev_stack.scenarios.about import REPORTS
 
 SOURCES = "ev_stack.sources"  # of entry points, whose published.csv reports may measure by
 _GROUPS = (STUDIES, REPORTS, SOURCES, "ev_stack.methods")
@@ -71,7 +71,7 @@ def _imports(module: str, file: Path) -> Iterator[str]:
                 yield from (".".join(parts[: n + 1]) for n in range(len(parts)))
 
 
-NEVER_DRIVES = ("ev_sim/commands", "ev_study/commands", "ev_doors", "ev_sim/report/page")
+NEVER_DRIVES = ("ev_stack/commands", "ev_study/commands", "ev_doors", "ev_stack/report/page")
 _LENGTH = 24  # hexadecimal digits
 
 

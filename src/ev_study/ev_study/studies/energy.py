@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, channel
 from ev_sim.profiles.profile import cycle_values
-from ev_sim.recording.recording import Recording
-from ev_sim.report.tables import text_table
-from ev_sim.scenarios.about import vehicle_of
-from ev_sim.scenarios.scenario import Run
+from ev_stack.measures import motion
+from ev_stack.measures.metric import Metric, channel
+from ev_stack.recording.recording import Recording
+from ev_stack.report.tables import text_table
+from ev_stack.scenarios.about import vehicle_of
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.electric_cars import (
     CYCLES,
     FITTED,

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ev_sim.command_line.numbers import real
 from ev_sim.driver.path import nearest, path_of
-from ev_sim.figures.panels import Curve, Panel, readable
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, channel
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run
+from ev_stack.command_line.numbers import real
+from ev_stack.figures.panels import Curve, Panel, readable
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures import motion
+from ev_stack.measures.metric import Metric, channel
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, Results, own_methods
 
 BEGIN = 5.0  # of the fault [s]

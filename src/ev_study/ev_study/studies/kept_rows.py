@@ -18,9 +18,9 @@ import numpy as np
 
 from ev_core.parameters.data_file import SIGNALS, files_read, read_data
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.recording.recording import Recording, atomic_file, save
-from ev_sim.scenarios.scenario import Run
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.recording.recording import Recording, atomic_file, save
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.digests import digest_of_sources, short_digest, text_of_method, text_of_report, text_of_study
 from ev_study.studies.study import Case, CaseResult, Measure, run_of
 

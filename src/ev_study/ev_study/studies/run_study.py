@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
-from ev_sim.command_line.numbers import whole
-from ev_sim.command_line.options import (
+from ev_stack.command_line.numbers import whole
+from ev_stack.command_line.options import (
     add_outputs,
     add_overrides,
     add_traceback,
@@ -24,19 +24,19 @@ from ev_sim.command_line.options import (
     overrides,
     printing,
 )
-from ev_sim.command_line.paths import output_folder
-from ev_sim.command_line.refusal import Parser
-from ev_sim.figures.saving import figure_files, save_figures
-from ev_sim.figures.sheets import Sheet, drawn
-from ev_sim.measures.metric import Metric
-from ev_sim.recording.outcome import RunFailed, announce, bar_of_runs
-from ev_sim.recording.recording import OF_ALL_RUNS, PAGE, SUMMARY
-from ev_sim.report.latex import DIGITS
-from ev_sim.report.summary import versions, write_summary
-from ev_sim.report.tables import TABLES, print_metrics, text_table, write_tables
-from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios.parameter_file import ParameterFile
-from ev_sim.scenarios.scenario import Overrides, refuse_unused_values
+from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.refusal import Parser
+from ev_stack.figures.saving import figure_files, save_figures
+from ev_stack.figures.sheets import Sheet, drawn
+from ev_stack.measures.metric import Metric
+from ev_stack.recording.outcome import RunFailed, announce, bar_of_runs
+from ev_stack.recording.recording import OF_ALL_RUNS, PAGE, SUMMARY
+from ev_stack.report.latex import DIGITS
+from ev_stack.report.summary import versions, write_summary
+from ev_stack.report.tables import TABLES, print_metrics, text_table, write_tables
+from ev_stack.running.output_folder import OutputFolder
+from ev_stack.scenarios.parameter_file import ParameterFile
+from ev_stack.scenarios.scenario import Overrides, refuse_unused_values
 from ev_study.studies.kept_rows import DRIVEN, KeptRows, MeasureAndSave
 from ev_study.studies.study import Case, CaseResult, Results, Study, run_of, study_named
 from ev_study.studies.workers import drive_cases, estimated_time
@@ -143,7 +143,7 @@ def _refuse_what_it_sets(case: Case, changed: Iterable[tuple[str, str]]) -> None
 def run_study(words: Sequence[str]) -> None:
     """Drive all cases of a study, by its name and the words behind it, and report.
 
-    It raises what `ev_sim.commands.run_scenario.main` catches.
+    It raises what `ev_stack.commands.run_scenario.main` catches.
     """
     name, *argv = words
     study, given = study_named(name), arguments(name, argv)
@@ -172,7 +172,7 @@ def run_study(words: Sequence[str]) -> None:
             best = study.better(given, results) if given.bold and hasattr(study, "better") else {}
             write_tables(folder.directory, *table, given.digits, best)
         if not given.no_report:
-            from ev_sim.report.page.writing import Page, images_of, measured_signals, write_page
+            from ev_stack.report.page.writing import Page, images_of, measured_signals, write_page
 
             measured = {case: result.measured for case, result in results.items()}
             series = measured_signals(

@@ -14,13 +14,13 @@ from typing import Any, Protocol
 from ev_core.methods.offered import offered, offered_module
 from ev_core.methods.register import methods_of, node_package
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.command_line.offered_commands import STUDIES
-from ev_sim.command_line.options import overrides
-from ev_sim.measures.handling import has_spun
-from ev_sim.measures.metric import Metric, NotMeasured, metric
-from ev_sim.recording.offline import run_offline, true_motion
-from ev_sim.recording.recording import Recording, signal_hash
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.command_line.offered_commands import STUDIES
+from ev_stack.command_line.options import overrides
+from ev_stack.measures.handling import has_spun
+from ev_stack.measures.metric import Metric, NotMeasured, metric
+from ev_stack.recording.offline import run_offline, true_motion
+from ev_stack.recording.recording import Recording, signal_hash
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 
 Measure = Callable[[Recording, Run], Mapping[str, Any]]  # of the true motion
 

@@ -13,17 +13,17 @@ import numpy as np
 import yaml
 
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.command_line.options import add_metrics
-from ev_sim.figures.other_axes import band, colour_map, mean_of_seeds
-from ev_sim.figures.panels import IN_FIGURES, readable
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures.metric import Metric
-from ev_sim.measures.own_metrics import listed, named_metric
-from ev_sim.recording.recording import Recording
-from ev_sim.report.reports import further_metrics, measured_metrics, row_of
-from ev_sim.report.tables import cell, tables_by_width
-from ev_sim.scenarios.parameter_file import read_yaml
-from ev_sim.scenarios.scenario import Run
+from ev_stack.command_line.options import add_metrics
+from ev_stack.figures.other_axes import band, colour_map, mean_of_seeds
+from ev_stack.figures.panels import IN_FIGURES, readable
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures.metric import Metric
+from ev_stack.measures.own_metrics import listed, named_metric
+from ev_stack.recording.recording import Recording
+from ev_stack.report.reports import further_metrics, measured_metrics, row_of
+from ev_stack.report.tables import cell, tables_by_width
+from ev_stack.scenarios.parameter_file import read_yaml
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, CaseResult, Results, better_by_column, not_measured, run_of_command
 
 ABOUT = "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or maps"

@@ -17,13 +17,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ev_core.parameters.data_file import config_folders, files_read
-from ev_sim.recording.offline import load_compiled, run_offline
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.report.summary import versions
-from ev_sim.running.beforehand import compile_for
-from ev_sim.running.children import Worker, WorkerLost
-from ev_sim.running.folder_content import digest_of
-from ev_sim.scenarios.scenario import Run
+from ev_stack.recording.offline import load_compiled, run_offline
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.report.summary import versions
+from ev_stack.running.beforehand import compile_for
+from ev_stack.running.children import Worker, WorkerLost
+from ev_stack.running.folder_content import digest_of
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.digests import digest_of_sources
 from ev_study.studies.study import Case, CaseResult, Measure, drive_case, run_of
 

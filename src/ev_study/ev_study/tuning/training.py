@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.by_period import batch_by_period
-from ev_sim.measures.own_metrics import named_metrics
+from ev_stack.batches.by_period import batch_by_period
+from ev_stack.measures.own_metrics import named_metrics
 from ev_study.benchmark.board import Board, Cell, by_role
 from ev_study.benchmark.driving import DrivenCell, LawInCell, drive_cell, laws_in_cell
 from ev_study.benchmark.ranking.scores import LARGEST, WORST, costs_of, interquartile_mean, tail_mean

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.measures.metric import Band, Metric, NotMeasured, Reference, metric, within
+from ev_stack.measures.metric import Band, Metric, NotMeasured, Reference, metric, within
 from ev_study.verdicts.measure import EMPTY, Call, Expression, Measures, Template, compared, measured_by
 from ev_study.verdicts.need import Need
 

@@ -10,9 +10,9 @@ from types import ModuleType
 from typing import Any
 
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_sim.measures.expression import number_of, parsed
-from ev_sim.measures.metric import NotMeasured, run_named
-from ev_sim.measures.registry import DrivenRun
+from ev_stack.measures.expression import number_of, parsed
+from ev_stack.measures.metric import NotMeasured, run_named
+from ev_stack.measures.named import DrivenRun
 from ev_study.verdicts.need import Need, ScenarioRuns, StudyNeed
 
 # A measure gets what was driven, one argument for each need, and the words behind its name; it may raise NotMeasured.

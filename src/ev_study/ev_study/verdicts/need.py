@@ -21,12 +21,12 @@ from ev_core.lockstep.configuration import Configuration
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.command_line.options import add_changes, overrides
-from ev_sim.measures.metric import Parameters, Runs
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.recording.recording import Recording, load, save
-from ev_sim.running.folder_content import locked
-from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.command_line.options import add_changes, overrides
+from ev_stack.measures.metric import Parameters, Runs
+from ev_stack.recording.outcome import RunFailed
+from ev_stack.recording.recording import Recording, load, save
+from ev_stack.running.folder_content import locked
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 from ev_study.studies.digests import NEVER_DRIVES, digest_of_sources
 from ev_study.studies.kept_rows import as_json, case_key, decoded, result_of
 from ev_study.studies.run_study import arguments, study_cases
@@ -133,7 +133,7 @@ class StudyCases:
 Driven = ScenarioRuns | StudyCases
 
 
-_ONLY_JUDGES = (*NEVER_DRIVES, "ev_study/verdicts", "ev_sim/figures")
+_ONLY_JUDGES = (*NEVER_DRIVES, "ev_study/verdicts", "ev_stack/figures")
 _DIGEST = "[0-9a-f]" * 24
 _FOLDERS = 3  # those of other checkouts and branches come back
 

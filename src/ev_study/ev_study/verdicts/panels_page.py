@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ev_sim.figures.panels import Panel
-from ev_sim.figures.saving import save_figures
-from ev_sim.figures.sheets import Sheet, drawn
-from ev_sim.recording.recording import atomic_file
-from ev_sim.report.page.writing import filled
+from ev_stack.figures.panels import Panel
+from ev_stack.figures.saving import save_figures
+from ev_stack.figures.sheets import Sheet, drawn
+from ev_stack.recording.recording import atomic_file
+from ev_stack.report.page.writing import filled
 from ev_study.verdicts.need import Driven, Need
 from ev_study.verdicts.sources import source_named
 

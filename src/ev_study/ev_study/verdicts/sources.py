@@ -13,7 +13,7 @@ from types import ModuleType
 from ev_core.methods.offered import offered, offered_module
 from ev_core.parameters.data_file import TEXT, read_data
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.measures.metric import Band, Metric, Reference
+from ev_stack.measures.metric import Band, Metric, Reference
 from ev_study.verdicts.check import Check, check_of
 from ev_study.verdicts.measure import COMMON, EMPTY, Measures, Template
 from ev_study.verdicts.need import Driven, Need, need_of

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ev_sim.measures.metric import FROM_INPUTS, NOT_MEASURED, NOT_REPRODUCED, REPRODUCED, Metric
-from ev_sim.recording.recording import atomic_file
-from ev_sim.report.tables import text_table
+from ev_stack.measures.metric import FROM_INPUTS, NOT_MEASURED, NOT_REPRODUCED, REPRODUCED, Metric
+from ev_stack.recording.recording import atomic_file
+from ev_stack.report.tables import text_table
 from ev_study.verdicts.need import Driven, Need, ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.sources import ASSUMPTION, IN_PART, INPUTS, NO_VERDICT, Published, published, sources
 

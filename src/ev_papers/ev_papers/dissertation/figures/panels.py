@@ -19,12 +19,12 @@ from ev_papers.dissertation.figures.urban_mixed import (
 from ev_papers.dissertation.figures.urban_sheets import cycle_figure, over_cycle
 from ev_papers.dissertation.measures.urban_cases import BENCH, FIVE, METHODS, SCENARIO, case
 from ev_sim.drives.synchronous_motor import voltage_limited_torque
-from ev_sim.figures.other_axes import contours
-from ev_sim.figures.panels import Curve, Panel, panel
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures.metric import channel
 from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
-from ev_sim.recording.recording import Recording
+from ev_stack.figures.other_axes import contours
+from ev_stack.figures.panels import Curve, Panel, panel
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures.metric import channel
+from ev_stack.recording.recording import Recording
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.panels_page import Draw, PublishedPanel, cannot_be_drawn, over_time
 

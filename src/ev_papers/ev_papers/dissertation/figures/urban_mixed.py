@@ -24,15 +24,15 @@ from ev_papers.dissertation.measures.slip_curve import (
     slip_and_road_torque,
 )
 from ev_papers.dissertation.measures.traction_windows import traction
-from ev_sim.figures.panels import Axes, Curve, Panel, panel, readable
-from ev_sim.figures.sheets import Sheet
-from ev_sim.figures.strokes import HUES
-from ev_sim.measures import motion
-from ev_sim.measures.handling import surfaces_under
-from ev_sim.measures.metric import NotMeasured, channel
-from ev_sim.recording.recording import Recording
 from ev_sim.surfaces import curve_on_road
 from ev_sim.tyres.curve import FRICTION_CURVES, friction
+from ev_stack.figures.panels import Axes, Curve, Panel, panel, readable
+from ev_stack.figures.sheets import Sheet
+from ev_stack.figures.strokes import HUES
+from ev_stack.measures import motion
+from ev_stack.measures.handling import surfaces_under
+from ev_stack.measures.metric import NotMeasured, channel
+from ev_stack.recording.recording import Recording
 
 AROUND = 0.1  # [s] before and after the window, of which samples are drawn, too
 _ALLOWED, _BEYOND = "#E3F1E6", "#FBE3DC"

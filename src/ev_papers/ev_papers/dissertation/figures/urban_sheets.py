@@ -13,13 +13,13 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.optional_signals import BenchEnergy
 from ev_papers.dissertation.measures import traction_windows as cycle
-from ev_sim.figures.panels import Axes, Curve, Panel, panel, readable
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures import motion
-from ev_sim.measures.handling import surfaces_under
-from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.profiles.cycle_windows import MODES, TRACTION
-from ev_sim.recording.recording import Recording
+from ev_stack.figures.panels import Axes, Curve, Panel, panel, readable
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures import motion
+from ev_stack.measures.handling import surfaces_under
+from ev_stack.measures.metric import NotMeasured, channel
+from ev_stack.recording.recording import Recording
 
 # The surfaces that are mixed most often, snow and wet asphalt, differ in lightness, so they do in print.
 SURFACE_COLOURS = {

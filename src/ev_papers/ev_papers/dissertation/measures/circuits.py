@@ -10,8 +10,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors, wheel_inertia
 from ev_core.vehicle.losses import loss_power, map_loss_power
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures.metric import NotMeasured, channel
-from ev_sim.recording.recording import Recording
+from ev_stack.measures.metric import NotMeasured, channel
+from ev_stack.recording.recording import Recording
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.optional_signals import BenchEnergy
-from ev_sim.measures.metric import Metric, channel, metric
-from ev_sim.recording.recording import Recording
+from ev_stack.measures.metric import Metric, channel, metric
+from ev_stack.recording.recording import Recording
 
 _CELL = "battery.cell"
 

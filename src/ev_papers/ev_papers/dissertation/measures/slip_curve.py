@@ -13,8 +13,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import wheel_inertia
 from ev_papers.dissertation.measures.circuits import free_wheel_beside
-from ev_sim.measures.metric import NotMeasured, channel
-from ev_sim.recording.recording import Recording
+from ev_stack.measures.metric import NotMeasured, channel
+from ev_stack.recording.recording import Recording
 
 WINDOW = 0.125  # [s]; the source gives no length
 LEAST_SLIP = 0.03  # [1], below it no wheel has passed its peak

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ev_core.parameters.values import build
-from ev_sim.measures.metric import NotMeasured, channel
 from ev_sim.profiles.cycle_windows import (
     MODES,
     TRACTION,
@@ -19,7 +18,8 @@ from ev_sim.profiles.cycle_windows import (
     values_at,
 )
 from ev_sim.profiles.profile import Profile, profile_of
-from ev_sim.recording.recording import Recording
+from ev_stack.measures.metric import NotMeasured, channel
+from ev_stack.recording.recording import Recording
 
 
 def windows(driver: Mapping[str, Any]) -> tuple[Profile, CycleModes]:

@@ -11,9 +11,9 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
 from ev_papers.dissertation.measures import circuits, traction_windows
 from ev_papers.dissertation.measures.circuits import CircuitSums
-from ev_sim.measures.metric import NotMeasured
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run
+from ev_stack.measures.metric import NotMeasured
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case
 
 SCENARIO, BENCH = "urban_mixed", "urban_mixed_bench"

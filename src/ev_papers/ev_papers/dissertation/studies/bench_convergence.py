@@ -10,7 +10,7 @@ from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, SCENARIO, Values
 from ev_papers.dissertation.studies import bench_difference
 from ev_papers.dissertation.studies.bench_difference import apart, away_from_switches, ideal
-from ev_sim.measures.metric import Metric
+from ev_stack.measures.metric import Metric
 from ev_study.studies.study import Case, Results
 
 ABOUT = "The urban cycle on the bench beside the virtual run - difference against each parameter of the bench"

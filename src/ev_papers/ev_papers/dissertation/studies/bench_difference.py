@@ -18,11 +18,11 @@ from ev_papers.dissertation.measures.urban_cases import (
     SCENARIO,
     Values,
 )
-from ev_sim.figures.panels import Curve, Panel
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures.metric import Metric, NotMeasured
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run
+from ev_stack.figures.panels import Curve, Panel
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures.metric import Metric, NotMeasured
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, Results
 
 WHEEL = "front_right"

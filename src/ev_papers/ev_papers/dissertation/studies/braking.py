@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, channel, metric
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run
+from ev_stack.measures import motion
+from ev_stack.measures.metric import Metric, channel, metric
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, Results, rows_of_cases
 
 ABOUT = "Full braking without ABS, with one of the friction brakes, and with drives and brakes blended, on all roads"

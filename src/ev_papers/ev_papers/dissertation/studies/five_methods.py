@@ -18,11 +18,11 @@ from ev_papers.dissertation.measures.urban_cases import (
     case_name,
     roads,
 )
-from ev_sim.figures.panels import Axes, Panel, readable
-from ev_sim.figures.sheets import Sheet
-from ev_sim.figures.strokes import HUES, PUBLISHED
-from ev_sim.measures.metric import Metric, mean_over_seeds
 from ev_sim.profiles.profile import LISTED
+from ev_stack.figures.panels import Axes, Panel, readable
+from ev_stack.figures.sheets import Sheet
+from ev_stack.figures.strokes import HUES, PUBLISHED
+from ev_stack.measures.metric import Metric, mean_over_seeds
 from ev_study.studies.study import Case, Results
 from ev_study.verdicts.sources import published_value
 

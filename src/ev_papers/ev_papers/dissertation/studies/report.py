@@ -28,10 +28,10 @@ from ev_papers.dissertation.measures import circuits
 from ev_papers.dissertation.measures import traction_windows as cycle
 from ev_papers.dissertation.measures.circuits import CircuitSums
 from ev_papers.dissertation.measures.motors_and_cells import electrical_metrics, is_modelled
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures import motion
-from ev_sim.measures.handling import share_of
-from ev_sim.measures.metric import (
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures import motion
+from ev_stack.measures.handling import share_of
+from ev_stack.measures.metric import (
     HIGHER,
     LOWER,
     Metric,
@@ -41,8 +41,9 @@ from ev_sim.measures.metric import (
     channel,
     metric,
 )
-from ev_sim.measures.registry import METRICS, DrivenRun
-from ev_sim.recording.recording import Recording
+from ev_stack.measures.named import DrivenRun
+from ev_stack.measures.registry import METRICS
+from ev_stack.recording.recording import Recording
 
 ROLLING = 1.0  # [m/s], above it slip is more than the first turn of a wheel
 SNOW = "packed_snow"  # begins the names of the surfaces that count as snow

@@ -6,11 +6,12 @@ from ev_core.vehicle.description import Vehicle
 from ev_papers.dissertation.figures.urban_sheets import bench_channels
 from ev_papers.dissertation.measures import motors_and_cells
 from ev_papers.dissertation.studies import report
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures import motion
-from ev_sim.measures.metric import Metric, Parameters, Runs, metric
-from ev_sim.measures.registry import bus_metrics
-from ev_sim.recording.recording import Recording
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures import motion
+from ev_stack.measures.metric import Metric, Parameters, Runs, metric
+from ev_stack.measures.named import DrivenRun
+from ev_stack.measures.registry import metrics_of_others
+from ev_stack.recording.recording import Recording
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
@@ -33,7 +34,7 @@ def _metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
         "bench_imbalance": metric(
             lambda: motors_and_cells.imbalance(run), "1", "what the accounts do not close by"
         ),
-        **bus_metrics(run, vehicle),
+        **metrics_of_others(DrivenRun(run, vehicle)),
     }
 
 

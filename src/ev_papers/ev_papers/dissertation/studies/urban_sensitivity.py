@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import DRIVERS, METHODS, Values, roads
 from ev_papers.dissertation.studies.five_methods import judged_quantity
-from ev_sim.measures.metric import Metric, mean_over_seeds
 from ev_sim.surfaces import SURFACES
+from ev_stack.measures.metric import Metric, mean_over_seeds
 from ev_study.studies.study import Case, Results
 
 ABOUT = "Dissertation, five methods - how the wheel efficiencies depend on assumptions, one changed at a time"

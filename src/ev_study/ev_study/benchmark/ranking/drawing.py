@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ev_sim.figures.panels import Axes, Curve, Panel, readable
-from ev_sim.figures.sheets import Sheet
-from ev_sim.figures.strokes import DASHES, strokes_of
+from ev_stack.figures.panels import Axes, Curve, Panel, readable
+from ev_stack.figures.sheets import Sheet
+from ev_stack.figures.strokes import DASHES, strokes_of
 from ev_study.benchmark.ranking.distributions import COSTS_SHOWN
 from ev_study.benchmark.ranking.result import BoardResult
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from ev_sim.report.tables import markdown_table
+from ev_stack.report.tables import markdown_table
 from ev_study.benchmark.board import COSTS, Cell
 from ev_study.benchmark.ranking.drawing import undominated
 from ev_study.benchmark.ranking.result import BoardResult

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ev_sim.command_line.options import command_of
-from ev_sim.measures.own_metrics import named_metrics
+from ev_stack.command_line.options import command_of
+from ev_stack.measures.own_metrics import named_metrics
 from ev_study.benchmark.board import COSTS, Board, Cell
 from ev_study.benchmark.driving import DrivenCell
 from ev_study.benchmark.entry_speed import DRIVEN

@@ -9,8 +9,8 @@ from itertools import islice
 from pathlib import Path
 from typing import IO
 
-from ev_sim.recording.outcome import announce
-from ev_sim.recording.recording import atomic_file
+from ev_stack.recording.outcome import announce
+from ev_stack.recording.recording import atomic_file
 from ev_study.benchmark.ranking.result import BoardResult
 
 RUNS = ("runs.json", "runs.jsonl.gz", "runs.parquet")

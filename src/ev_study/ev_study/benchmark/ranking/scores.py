@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ev_sim.measures.metric import HIGHER
-from ev_sim.measures.own_metrics import named_metrics
+from ev_stack.measures.metric import HIGHER
+from ev_stack.measures.own_metrics import named_metrics
 from ev_study.benchmark.board import Board
 from ev_study.benchmark.manoeuvre import Manoeuvre
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from ev_core.parameters.data_file import TEXT, find_in_config, read_data
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.report.tables import text_table
+from ev_stack.report.tables import text_table
 from ev_study.measured.comparisons.planar_mechanics import planar_mechanics
 from ev_study.measured.comparisons.records import electric_cars, motor_map, track_record, tyre_rig
 

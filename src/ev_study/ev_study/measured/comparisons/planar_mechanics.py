@@ -17,10 +17,10 @@ from scipy.interpolate import CubicSpline
 
 from ev_core.parameters.data_file import find_in_config
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.measures import motion
-from ev_sim.recording.offline import run_offline
-from ev_sim.scenarios.scenario import Overrides
 from ev_sim.tyres.curve import dry_friction
+from ev_stack.measures import motion
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import Overrides
 from ev_study.measured.records.tables import read_columns
 from ev_study.measured.replays.open_loop import graph
 

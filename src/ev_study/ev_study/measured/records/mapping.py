@@ -12,7 +12,7 @@ from ev_core.parameters.data_file import TEXT, read_data
 from ev_core.parameters.values import build
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.scenarios.parameter_file import read_yaml
+from ev_stack.scenarios.parameter_file import read_yaml
 from ev_study.measured.records import bags, can_logs, mdf
 from ev_study.measured.records.record import (
     SIDESLIP,

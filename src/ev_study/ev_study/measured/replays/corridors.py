@@ -18,10 +18,10 @@ import numpy as np
 from ev_core.parameters.declaration import parameter
 from ev_core.parameters.values import build
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.figures.panels import IN_FIGURES, Curve, Panel
-from ev_sim.figures.sheets import Sheet
-from ev_sim.measures.metric import Metric
-from ev_sim.report.tables import text_table
+from ev_stack.figures.panels import IN_FIGURES, Curve, Panel
+from ev_stack.figures.sheets import Sheet
+from ev_stack.measures.metric import Metric
+from ev_stack.report.tables import text_table
 from ev_study.measured.records.record import LONGITUDINAL, ROAD_WHEEL_ANGLE, SIDESLIP, YAW_RATE
 from ev_study.measured.replays.errors import RANGES, range_names
 from ev_study.measured.replays.open_loop import OpenLoop

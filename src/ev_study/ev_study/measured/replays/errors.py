@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ev_sim.measures.metric import Metric
-from ev_sim.report.tables import text_table
+from ev_stack.measures.metric import Metric
+from ev_stack.report.tables import text_table
 
 LATE = 0.03  # [s]; a signal that comes later than its replay by as much shifts what is found by more than noise does
 CLEAR = 0.5  # share of the variance that a replay has to have, below which a lag is a matter of chance

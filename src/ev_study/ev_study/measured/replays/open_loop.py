@@ -13,10 +13,10 @@ from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.lockstep.graph import check_graph
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.batches.batch import batch
-from ev_sim.scenarios.about import vehicle_file
-from ev_sim.scenarios.parameter_file import ParameterFile
-from ev_sim.scenarios.scenario import Overrides
+from ev_stack.batches.batch import batch
+from ev_stack.scenarios.about import vehicle_file
+from ev_stack.scenarios.parameter_file import ParameterFile
+from ev_stack.scenarios.scenario import Overrides
 from ev_study.measured.records.record import (
     LATERAL,
     LATERAL_ACCELERATION,

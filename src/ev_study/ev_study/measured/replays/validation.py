@@ -12,13 +12,13 @@ import numpy as np
 
 from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.figures.panels import IN_FIGURES, Curve, Panel, readable
-from ev_sim.figures.saving import save_figures
-from ev_sim.figures.sheets import Sheet, drawn
-from ev_sim.measures.metric import Metric
-from ev_sim.recording.recording import PAGE, SIGNALS, SUMMARY, Recording, save
-from ev_sim.report.page.writing import Page, Signals, images_of, write_page
-from ev_sim.report.summary import Summary, write_summary
+from ev_stack.figures.panels import IN_FIGURES, Curve, Panel, readable
+from ev_stack.figures.saving import save_figures
+from ev_stack.figures.sheets import Sheet, drawn
+from ev_stack.measures.metric import Metric
+from ev_stack.recording.recording import PAGE, SIGNALS, SUMMARY, Recording, save
+from ev_stack.report.page.writing import Page, Signals, images_of, write_page
+from ev_stack.report.summary import Summary, write_summary
 from ev_study.measured.records.record import LONGITUDINAL, ROAD_WHEEL_ANGLE, SIDESLIP, SLOWEST, YAW_RATE, quoted_source
 from ev_study.measured.replays.corridors import (
     Corridor,

@@ -1,0 +1,1 @@
+"""The test bench: CAN bus, inverters, gateway, machines on shafts."""

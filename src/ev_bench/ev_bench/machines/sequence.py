@@ -1,0 +1,61 @@
+"""The test sequence of the bench (dissertation, section 4.3): six steps in order, and the emergency switch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+SEQUENCE_STEPS = ("choose", "connect", "load_model", "start", "siemens_rev_0", "disconnect")
+OBJECTS = ("both", "right", "left")
+
+
+class Stage(IntEnum):
+    """How far the sequence is: the next step is the one of this place in SEQUENCE_STEPS."""
+
+    IDLE = 0
+    CHOSEN = 1
+    CONNECTED = 2
+    LOADED = 3
+    RUNNING = 4
+    LOADS_OFF = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """Where a test is; `chosen` is the object of control, one circuit or both."""
+
+    stage: Stage = Stage.IDLE
+    chosen: str = "both"
+    emergency: bool = False
+
+    @property
+    def enabled(self) -> str:
+        """The circuits whose inverters are enabled: those of the object, from start until the load machines go off."""
+        return self.chosen if self.stage is Stage.RUNNING and not self.emergency else "none"
+
+    def after(self, step: str, cooling: bool, chosen: str = "both") -> Sequence:
+        """The sequence after a step; ValueError, with the reason, for one that is not due.
+
+        The machines need their cooling from the first step on. After an emergency only `disconnect` is left.
+        """
+        if self.emergency:
+            if step != "disconnect":
+                raise ValueError(f"{step} is refused after an emergency stop, expected disconnect")
+            return Sequence()
+        due = SEQUENCE_STEPS[self.stage]
+        if step != due:
+            raise ValueError(f"{step} is refused, expected {due}")
+        if not cooling and step != "disconnect":
+            raise ValueError(f"{step} is refused while the cooling is off")
+        if step == "choose":
+            return Sequence(Stage.CHOSEN, chosen)
+        return Sequence() if step == "disconnect" else replace(self, stage=Stage(self.stage + 1))
+
+    def stopped(self) -> Sequence:
+        """The sequence after the emergency switch."""
+        return replace(self, emergency=True)
+
+
+def begun(enabled: str) -> Sequence:
+    """The sequence of a bench whose parameters have enabled circuits already, as in runs without an operator."""
+    return Sequence() if enabled == "none" else Sequence(Stage.RUNNING, enabled)

@@ -1,0 +1,3 @@
+"""Registers the gateways to the inverters."""
+
+import ev_bench.inverter_gateway.can  # noqa: F401

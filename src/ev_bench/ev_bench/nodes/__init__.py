@@ -1,0 +1,1 @@
+"""The nodes of the bench: gateway, test bench, inverter."""

@@ -1,3 +1,0 @@
-"""Registers the gateways to the inverters."""
-
-import ev_control.inverter_gateway.can  # noqa: F401

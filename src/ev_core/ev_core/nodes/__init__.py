@@ -1,1 +1,0 @@
-"""Nodes: what is ROS about stepping, in pieces of one idea each."""

@@ -1,0 +1,1 @@
+"""A node that messages step: reading, writing, parameters, reports, its way to the runner, stopping."""

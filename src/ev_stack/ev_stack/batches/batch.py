@@ -1,0 +1,291 @@
+"""Many runs of one graph in one call, on all cores, each with the bits that it has alone."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import pairwise
+from queue import SimpleQueue
+from threading import Thread
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ev_core.compiled.loop import FAILED, FINISHED, run_through
+from ev_core.compiled.part import CompiledPart, RowPart, row_function
+from ev_core.faults.row import FaultRow
+from ev_core.lockstep.configuration import Configuration
+from ev_core.lockstep.graph import check_graph
+from ev_core.lockstep.parts import compiled_part, row_parts
+from ev_core.lockstep.run import refuse_not_finite, roles_in_order
+from ev_core.methods.law_error import LawError
+from ev_core.sensors.row import SensorRow
+from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.fields import SignalError
+from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_stack.batches import observer
+from ev_stack.batches.observer import Observation, Reduction, result
+from ev_stack.batches.variation import Variation
+from ev_stack.batches.whole_runs import Ending, WholeRun, WholeRuns
+from ev_stack.measures.named import NamedMetric, driven_run
+from ev_stack.recording.offline import written_topics
+
+_NOTHING = (0, 0)  # is written
+
+
+class _Placed(NamedTuple):
+    """A part of a role, or what observes it, which runs may share, and a state of a run's own."""
+
+    role: str
+    writes: tuple[int, int]
+    part: CompiledPart | RowPart | Observation
+    state: np.ndarray
+
+    @property
+    def row(self) -> tuple[int, ...]:
+        """What the compiled loop has to know (`compiling.loop`)."""
+        function, _, constants = self.part.addresses()
+        return function, self.state.ctypes.data, constants, *self.writes
+
+
+class Runs:
+    """Drives single runs of a batch, on any thread; a method whose parameters are the same in all is prepared once.
+
+    `initial_states` have by role a row for each run. ParameterError for a method that does not run compiled, for a
+    refused value of a parameter, and for states of another size.
+    """
+
+    def __init__(
+        self,
+        configurations: Mapping[str, Configuration],
+        variation: Variation,
+        initial_states: Mapping[str, np.ndarray],
+        observation: observer.Observation,
+        times: np.ndarray,
+        measures: WholeRuns | None = None,
+        ending: Ending | None = None,
+    ) -> None:
+        for role, configuration in configurations.items():
+            law = configuration.method.law
+            if law is None or not law.is_compilable:
+                raise ParameterError(
+                    f"{role} method {configuration.method.name} runs in plain Python, allowed in a batch are methods "
+                    "that run compiled"
+                )
+        self._answering, self._integrating = roles_in_order(configurations)
+        self._base, self._initial_states = configurations, initial_states
+        self._observation, self._times = observation, times
+        self._measures, self._ending = measures, ending
+        last = len(times) - 1
+        look = max(round(ending.every / times[1]) if ending and last else last, 1)
+        self._legs = list(pairwise([0, *range(look, last, look), last]))
+        self._varied = {role: variation.configurations(role) for role in configurations}
+        first = {role: varied[0] if varied else configurations[role] for role, varied in self._varied.items()}
+        made = {role: compiled_part(configuration) for role, configuration in first.items()}
+        self._made, self._differs = made, {role for role in made if variation.concerns_method(role)}
+        # What is compiled is compiled here, and not by several threads at once.
+        observer.function()
+        if any(variation.concerns_sensors(role) or not each.is_ideal for role, each in configurations.items()):
+            row_function(SensorRow)
+        if any("faults" in name for name in variation.names) or any(each.faults for each in configurations.values()):
+            row_function(FaultRow)
+        for role, states in initial_states.items():
+            _refuse_states(role, states, made[role].state.size)
+
+    def drive_some(self, runs: Iterable[int]) -> dict[int, str]:
+        """Drive some of the runs; the answer has those in which a number was not finite, with when and which one."""
+        return {run: text for run in runs if (text := self._drive(run))}
+
+    def _drive(self, run: int) -> str:
+        """Drive one run; where a number is not finite it stops, and the answer is not empty."""
+        whole = self._measures.whole_run() if self._measures else None
+        before = [placed for role in self._answering for placed in self._placed(role, run)]
+        before.append(_Placed("", _NOTHING, self._observation, self._observation.state(run)))
+        before += [_Placed("", _NOTHING, whole.shown, whole.shown.state())] if whole else []
+        behind = [placed for role in self._integrating for placed in self._placed(role, run, whole)]
+        rows = np.array([placed.row for placed in (*before, *behind)], np.int64)
+        frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
+        of = {role: varied[run] if varied else self._base[role] for role, varied in self._varied.items()}
+        for first, last in self._legs:
+            status = run_through(frames, self._times, first, last, rows, len(before), stopped)
+            if status != FINISHED:
+                return self._why(status, frames, stopped, (*before, *behind))
+            if self._ending and whole and self._ending.is_over(driven_run(whole.recorded(last + 1)[1], of), first):
+                break
+        if self._measures and whole:
+            self._measures.take(run, whole, last + 1, of)
+        return ""
+
+    def _why(self, status: int, frames: np.ndarray, stopped: np.ndarray, placed: Sequence[_Placed]) -> str:
+        """The line on what was not finite, or what a law raised."""
+        instant, place, which = stopped.tolist()
+        role, part = placed[place].role, placed[place].part
+        try:
+            if status == FAILED and isinstance(part, CompiledPart):
+                here = frames[which if role in self._answering else 1 - which]
+                is_start = instant == 0 and role in self._integrating
+                raise part.raised(None if is_start else here.tolist(), placed[place].state)
+            refuse_not_finite(frames[which], self._base[role].method.writes)
+        except SignalError as error:
+            return f"at {self._times[instant]:g} s {error}"
+        except LawError as error:  # it names the time itself
+            return str(error)
+        raise AssertionError(f"{role} stopped, but all its numbers are finite")
+
+    def _placed(self, role: str, run: int, whole: WholeRun | None = None) -> list[_Placed]:
+        """The parts that play a role in a run, at their start, with what keeps the truth of it for a whole run."""
+        varied = self._varied[role]
+        configuration = varied[run] if varied else self._base[role]
+        try:
+            part = self._made[role]
+            if role in self._differs:
+                part = compiled_part(configuration, like=part)
+        except ParameterError as error:  # values that are allowed one by one and do not fit together
+            raise ParameterError(f"run {run}: {role}: {error}") from None
+        state = self._initial_states[role][run] if role in self._initial_states else part.state
+        if any(text.split()[0] == "restarted" for text in configuration.faults):
+            raise ParameterError(f"{role} faults: restarted is refused in a batch, expected all other kinds")
+        writes = frame.span(configuration.method.writes)
+        placed, rows = [_Placed(role, writes, part, state.copy())], row_parts(configuration)
+        if rows and whole and (truth := whole.truth_of(role)):
+            placed.append(_Placed("", _NOTHING, truth, truth.state()))
+        return [*placed, *(_Placed(role, writes, behind, behind.state) for behind in rows)]
+
+
+def _refuse_states(role: str, states: np.ndarray, size: int) -> None:
+    if states.shape[1] != size:
+        raise ParameterError(f"initial_states of {role} have {states.shape[1]} numbers, expected {size}")
+    for run in np.flatnonzero(~np.isfinite(states).all(axis=1)):
+        raise ParameterError(f"initial_states of {role} are not finite in run {run}")
+
+
+_PORTIONS = 16  # for each thread
+
+
+@dataclass(frozen=True, repr=False)
+class BatchResult:
+    """What is kept of the runs of a batch.
+
+    `metrics`: by name one number for each run, (runs,), NaN where it cannot be measured. `signals`: by channel the
+    samples of each run at the instants `time` [s], (runs, samples). `failed`: by number of the run what was not finite
+    and when; such a run has stopped there, its metrics and what would have come later are NaN. `hashes`: the signal
+    hash of each run if asked for, empty where it has failed. `ends`: when each run ended [s], (runs,), NaN where it has
+    failed.
+    """
+
+    metrics: Mapping[str, np.ndarray]
+    signals: Mapping[str, np.ndarray]
+    time: np.ndarray
+    failed: Mapping[int, str]
+    ends: np.ndarray
+    hashes: Sequence[str] = ()
+
+    def __repr__(self) -> str:
+        kept = ", ".join(f"{name} {np.shape(values)}" for name, values in {**self.metrics, **self.signals}.items())
+        return (
+            f"BatchResult of {kept or 'nothing, as neither metrics nor signals were named'}; {len(self.failed)} failed"
+        )
+
+
+def batch(
+    configurations: Mapping[str, Configuration],
+    duration: float,
+    vary: Mapping[str, Iterable[Any]] | None = None,
+    initial_states: Mapping[str, Any] | None = None,
+    signals: Sequence[str] = (),
+    every: int = 1,
+    metrics: Mapping[str, Reduction] | Sequence[str | NamedMetric] | None = None,
+    threads: int | None = None,
+    hashes: bool = False,
+    ending: Ending | None = None,
+) -> BatchResult:
+    """Drive runs of a graph from rest to `duration` [s], as `run_offline` does each of them.
+
+    `vary` has by ROLE.PARAMETER, or *.PARAMETER for all roles, one value for each run; `initial_states` by role one row
+    of the method's state for each run, (runs, size). Each run keeps the channels in `signals` at every `every`-th
+    period, and `metrics`: reductions of channels over all periods by name, gathered in the compiled loop (`observer`),
+    or texts as in the file of a scenario, computed from the true motion (`measures.expression`), and its signal hash if
+    asked to. Runs that an `ending` ends before have the bits of a run of that duration, and reductions are refused with
+    it. Without `threads` there are as many as cores. ParameterError if a name or value is refused, if roles do
+    not fit together, if a method is plain Python, all before anything runs, or if a run's values make no method.
+    """
+    check_graph(configurations)
+    reductions, texts = (metrics, ()) if isinstance(metrics, Mapping) else ({}, metrics or ())
+    states = {role: np.atleast_2d(np.asarray(rows, float)) for role, rows in (initial_states or {}).items()}
+    for role in states:
+        if role not in configurations:
+            raise unknown_name("role", role, configurations)
+    variation = Variation(configurations, vary or {}, {role: len(rows) for role, rows in states.items()})
+    _refuse_channels(configurations, [*signals, *(reduction.channel for reduction in reductions.values())])
+    if isinstance(every, bool) or not isinstance(every, int) or every < 1:
+        raise ParameterError(f"every: {every!r} is refused, expected a whole number of periods, at least 1")
+    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
+        raise ParameterError(f"threads: {threads!r} is refused, expected is a whole number, at least 1")
+    if ending and reductions:
+        raise ParameterError("reductions are refused for runs that may end before, expected metrics of whole runs")
+    period = next(iter(configurations.values())).period
+    times = np.array([stamps.to_seconds(n * period) for n in range(stamps.from_seconds(duration) // period + 1)])
+    if not len(times):
+        raise ParameterError(f"duration: {duration!r} is refused, expected 0 s or more")
+    observation = Observation(signals, every, tuple(reductions.values()), variation.runs, len(times))
+    measures = WholeRuns(texts, configurations, variation.runs, times, hashes) if texts or hashes or ending else None
+    runs = Runs(configurations, variation, states, observation, times, measures, ending)
+    workers = threads or len(os.sched_getaffinity(0))
+    # In portions: handing over each run alone costs a tenth of making it; the last ones shall be short.
+    size = max(variation.runs // (_PORTIONS * workers), 1)
+    portions = [range(each, min(each + size, variation.runs)) for each in range(0, variation.runs, size)]
+    failed = _driven(runs, portions, workers)
+    reduced, ends = observation.reduced(), measures.ends if measures else np.full(variation.runs, times[-1])
+    reduced[list(failed)] = ends[list(failed)] = np.nan
+    return BatchResult(
+        {
+            **{name: result(m.kind, reduced[:, i], len(times)) for i, (name, m) in enumerate(reductions.items())},
+            **(measures.values if measures else {}),
+        },
+        observation.signals(),
+        times[::every],
+        failed,
+        ends,
+        measures.hashes if measures else (),
+    )
+
+
+def _driven(runs: Runs, portions: Sequence[range], threads: int) -> dict[int, str]:
+    """Drive the runs on threads; the answer has those that have stopped, and why.
+
+    Ctrl-C ends the wait at once: threads that stand in a law without an end go with the process.
+    """
+    waiting, done = deque(enumerate(portions)), SimpleQueue[tuple[int, Any]]()
+
+    def drive() -> None:
+        while waiting:
+            with suppress(IndexError):  # another thread has taken the last one
+                number, portion = waiting.popleft()
+                try:
+                    done.put((number, runs.drive_some(portion)))
+                except BaseException as error:  # for who waits
+                    done.put((number, error))
+
+    for _ in range(min(threads, len(portions))):
+        Thread(target=drive, daemon=True).start()
+    try:
+        found = dict(done.get() for _ in portions)
+    finally:
+        waiting.clear()
+    failed: dict[int, str] = {}
+    for number in range(len(portions)):
+        if isinstance(found[number], BaseException):
+            raise found[number]
+        failed |= found[number]
+    return failed
+
+
+def _refuse_channels(configurations: Mapping[str, Configuration], channels: Iterable[str]) -> None:
+    """A channel that no method writes would be zero for ever."""
+    known = [name for topic in written_topics(configurations) for name in topic.channels]
+    for name in channels:
+        if name not in known:
+            raise unknown_name("channel", name, known)

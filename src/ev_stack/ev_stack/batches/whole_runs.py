@@ -1,0 +1,99 @@
+"""Metrics of the whole runs of a batch: all channels of a run are kept until it is measured, and no longer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ev_core.lockstep.configuration import Configuration
+from ev_msgs_py.contract.topics import TOPICS
+from ev_stack.batches.observer import Observation
+from ev_stack.measures.named import DrivenRun, NamedMetric, driven_run, refuse_unmeasurable
+from ev_stack.measures.own_metrics import named_metrics
+from ev_stack.recording.offline import OF_THE_CAR, written_topics
+from ev_stack.recording.recording import Recording, signal_hash
+
+
+@dataclass(frozen=True)
+class Ending:
+    """Runs may end before their duration: at the first multiple of `every` [s] at which one `is_over`.
+
+    It is asked with the run so far, and with the sample up to which it was asked before.
+    """
+
+    is_over: Callable[[DrivenRun, int], bool]
+    every: float = 1.0
+
+
+class WholeRun:
+    """The memory for some channels of a run, and for those `of_roles` of the car in front of their sensors."""
+
+    def __init__(self, channels: Sequence[str], of_roles: Mapping[str, Sequence[str]], times: np.ndarray) -> None:
+        self.shown = Observation(channels, 1, (), 1, len(times))
+        self._of_roles, self._times = of_roles, times
+        self._true: list[Observation] = []
+
+    def truth_of(self, role: str) -> Observation | None:
+        """What is to keep the truth of a role that has sensors or faults; None if it has none that counts."""
+        if role not in self._of_roles:
+            return None
+        self._true.append(Observation(self._of_roles[role], 1, (), 1, len(self._times)))
+        return self._true[-1]
+
+    def recorded(self, instants: int) -> tuple[Recording, Recording]:
+        """What was shown up to an instant, and the true motion (`true_motion`, which has to drive the car again)."""
+        times = self._times[:instants]
+        shown = Recording(times, _only_run(self.shown, instants))
+        true = {name: values for each in self._true for name, values in _only_run(each, instants).items()}
+        return shown, Recording(times, {**shown.channels, **true}, shown) if true else shown
+
+
+def _only_run(observation: Observation, instants: int) -> dict[str, np.ndarray]:
+    return {name: values[0, :instants] for name, values in observation.signals().items()}
+
+
+class WholeRuns:
+    """What is measured of each run once it is driven; `values` have by name one number for each run, (runs,).
+
+    NaN stands where there is none. `ends` are when the runs ended [s], (runs,), and `hashes` those of the published
+    signals if they are asked for, NaN and empty for a run that has not ended. ParameterError for texts that name or
+    declare no metric, and for a metric of channels that the graph does not have.
+    """
+
+    def __init__(
+        self,
+        texts: Sequence[str | NamedMetric],
+        configurations: Mapping[str, Configuration],
+        runs: int,
+        times: np.ndarray,
+        hashed: bool = False,
+    ) -> None:
+        self._metrics, self._times = named_metrics(texts), times
+        refuse_unmeasurable(self._metrics.values(), configurations)
+        self._channels = [name for topic in written_topics(configurations) for name in topic.channels]
+        self._of_roles = {
+            role: [name for signal in configurations[role].method.writes for name in TOPICS[signal].channels]
+            for role in OF_THE_CAR
+            if role in configurations and len(times) > 1
+        }
+        self.values = {name: np.full(runs, np.nan) for name in self._metrics}
+        self.hashes = [""] * runs if hashed else []
+        self.ends = np.full(runs, np.nan)
+
+    def whole_run(self) -> WholeRun:
+        """The memory for a run."""
+        return WholeRun(self._channels, self._of_roles, self._times)
+
+    def take(self, run: int, whole: WholeRun, instants: int, configurations: Mapping[str, Configuration]) -> None:
+        """Measure a run that has ended after some instants, of these configurations."""
+        shown, motion = whole.recorded(instants)
+        self.ends[run] = shown.time[-1]
+        if self.hashes:
+            self.hashes[run] = signal_hash(shown)
+        driven = driven_run(motion, configurations)
+        for name, metric in self._metrics.items():
+            value = metric.measured(driven).value
+            if value is not None:
+                self.values[name][run] = value

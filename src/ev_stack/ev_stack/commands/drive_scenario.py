@@ -1,0 +1,123 @@
+"""Drive the runs of a scenario, write what they leave behind, print the metrics."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+
+from ev_core.methods.offered import offered, offered_module
+from ev_core.parameters.data_file import TABLE, read_data
+from ev_msgs_py.refusal import LINE, quoted, shown
+from ev_stack.command_line.options import files_read, overrides, own_nodes, printing, processors
+from ev_stack.figures.saving import figure_files
+from ev_stack.measures.own_metrics import listed
+from ev_stack.recording.outcome import Outcome, RunFailed, progress_bar
+from ev_stack.recording.recording import OF_ALL_RUNS, SUMMARY
+from ev_stack.report.result import Result
+from ev_stack.report.tables import in_words, print_metrics
+from ev_stack.running.beforehand import compile_for
+from ev_stack.running.buses import buses
+from ev_stack.running.output_folder import OutputFolder
+from ev_stack.scenarios.scenario import Run, load_scenario
+
+PROCESSORS = "ev_stack.processors"  # of entry points: `program`, the module that moves laws onto other processors
+_MIDDLEWARE = "RMW_IMPLEMENTATION"
+_SHARED_MEMORY, _ROOM = "/dev/shm", 65536  # bytes; where there are fewer, LTTng of ROS 2 ends the process by SIGBUS
+
+
+def drive_scenario(given: argparse.Namespace) -> None:
+    """Drive all runs of a scenario and report; raises what `ev_stack.commands.run_scenario.main` catches."""
+    prints = printing(given)
+    scenario = load_scenario(given.scenario, replace(overrides(given), metrics=listed(given.metrics)), given.run)
+    _refuse_without_ros(given)
+    on_processors = []
+    if given.processor:
+        if "program" not in offered(PROCESSORS):
+            raise RunFailed("--processor needs the package ev_doors, which is not installed here")
+        programs = offered_module(PROCESSORS, "--processor", "program")
+        moved = [programs.with_processors(run, processors(given)) for run in scenario.runs]
+        scenario = replace(scenario, runs=tuple(run for run, _ in moved))
+        on_processors = [each for _, made in moved for each in made]
+    out = given.out or Path("results") / scenario.name
+    way = "offline" if given.offline else "in-process" if given.in_process else "processes"
+    commands = {role: " ".join(words) for role, words in own_nodes(given).items()}
+    mode = f"{way}, realtime" if given.realtime else way
+    compile_for(scenario.runs, not given.offline, own_nodes(given))
+    before, reads = _command_of(out), [given.scenario, *files_read(given)]
+    with OutputFolder(out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs, reads=reads) as folder:
+        outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
+        result = Result(scenario, outcomes, mode, commands, given.command)
+        summary, figures = result.summary(), {} if given.no_report else result.figures()
+        folder.claim(figure_files(figures))
+        content = result.write_report(folder.directory, figures, not given.no_report)
+        prints.save(result.sheets, folder.directory, folder.claim)
+    print_metrics(summary.metrics)
+    for note in summary.notes:
+        print(f"note: {shown(note, LINE)}")
+    if before not in ("", given.command):
+        print(f"note: replaced the results of {shown(before, LINE)}; --out DIR keeps both")
+    for reason in summary.not_reproducible:
+        print(f"not reproducible: {reason}")
+    for timing in summary.timing.values():
+        print(in_words(timing))
+    for each in on_processors:
+        print(each.report)
+    print(f"signal hash {content['signal_hash']}")
+    print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
+    page = "" if given.no_report else "report.html, figures, "
+    print(f"{page}signals and summary: {folder.directory}")
+
+
+def _command_of(folder: Path) -> str:
+    """The command whose results are in a folder; empty if that is not known."""
+    try:
+        return str(json.loads(read_data(folder / SUMMARY, TABLE)).get("command", ""))
+    except (OSError, ValueError, AttributeError, RecursionError):
+        return ""
+
+
+def _refuse_without_ros(given: argparse.Namespace) -> None:
+    """RunFailed, before anything is made, if ROS 2 is needed and not installed or cannot start."""
+    if not given.offline:
+        if find_spec("rclpy") is None:
+            raise RunFailed("nodes need ROS 2 (rclpy), which is not installed here: --offline --no-record needs none")
+        middleware = os.environ.get(_MIDDLEWARE, "")
+        if middleware not in ("", "rmw_fastrtps_cpp") and not _can_be_loaded():
+            raise RunFailed(f"{_MIDDLEWARE}={quoted(middleware)} is refused, expected one that is installed, or none")
+        if os.access(_SHARED_MEMORY, os.W_OK) and shutil.disk_usage(_SHARED_MEMORY).free < _ROOM:
+            raise RunFailed(f"{_SHARED_MEMORY} is full: the libraries of ROS 2 need {_ROOM} bytes there")
+    if not given.no_record and None in (find_spec("rosbags"), find_spec("sensor_msgs")):
+        raise RunFailed("a bag needs rosbags and the messages of ROS 2, which are not installed here: add --no-record")
+
+
+def _can_be_loaded() -> bool:
+    """Whether ROS 2 starts; where it does not find its middleware it ends the process that tries, in words of C."""
+    words = [sys.executable, "-c", "import rclpy; rclpy.utilities.get_rmw_implementation_identifier()"]
+    return subprocess.run(words, capture_output=True).returncode == 0
+
+
+def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
+    logs = [bus.frame_log(run, directory) for bus in buses()]
+    outcome = _driven(run, directory, given)
+    notes = [log.write(outcome.recording) for log in logs if log is not None]
+    return replace(outcome, notes=(*outcome.notes, *filter(None, notes)))
+
+
+def _driven(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
+    with progress_bar(run.name, run.duration) as progress:
+        if given.offline:
+            from ev_stack.running.offline import run_offline_into
+
+            return run_offline_into(run, directory, not given.no_record, progress)
+        from ev_stack.running.processes import run_in_process, run_in_processes
+
+        if given.in_process:
+            return run_in_process(run, directory, not given.no_record, progress)
+        return run_in_processes(run, directory, not given.no_record, progress, own_nodes(given))

@@ -1,0 +1,288 @@
+"""From the results of one or several commands to a page as one file: templates, scripts, signals and figures."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from jinja2 import Environment, FunctionLoader
+
+from ev_core.parameters.data_file import TIME
+from ev_core.parameters.declaration import entries
+from ev_core.vehicle.description import Vehicle
+from ev_stack.figures.sheets import Figure
+from ev_stack.figures.strokes import strokes_of
+from ev_stack.measures.handling import has_spun
+from ev_stack.measures.metric import Runs
+from ev_stack.recording.recording import Recording, atomic_file
+from ev_stack.report.page.parameter_units import unit_of
+from ev_stack.report.page.plot_groups import groups_of
+from ev_stack.views.car import PREFIX, car_of, view_channels
+
+GAP = 0  # the code of what is not finite; numbers have the codes from 1 on
+_LEVEL = 1  # of deflate: higher ones take twice the time for a tenth of the size
+
+
+class Packed(NamedTuple):
+    """A series of `count` numbers: the n-th is low + (code_n - 1) step, a gap where its code is GAP.
+
+    `text` holds the codes: base64 of deflate of `planes` rows of bytes, the lowest byte of every code first, of the
+    differences of the codes modulo 256^planes (the first one against 0).
+    """
+
+    text: str
+    low: float
+    step: float
+    count: int
+    planes: int
+
+
+def levels(planes: int) -> int:
+    """Into how many steps the range of a series is divided."""
+    return 256**planes - 4  # the code of a gap is none of them, and two are lost where zero is made one of them
+
+
+def pack(values: np.ndarray, planes: int, step: float | None = None) -> Packed:
+    """Pack values (n,), rounded to multiples of a step, the range over `levels` unless it is given: zero stays zero."""
+    finite = np.isfinite(values)
+    held = values[finite]
+    low, high = (float(held.min()), float(held.max())) if len(held) else (0.0, 0.0)
+    if step is None or (high - low) / step > levels(planes):
+        step = (high - low) / levels(planes)
+    if step > 0.0:
+        low = float(np.floor(low / step)) * step
+    codes = np.zeros(len(values), np.int64)
+    codes[finite] = (np.rint((held - low) / step) if step > 0.0 else 0) + 1
+    changes = np.diff(codes, prepend=0) & (256**planes - 1)
+    rows = [(changes >> 8 * plane & 255).astype(np.uint8).tobytes() for plane in range(planes)]
+    text = base64.b64encode(zlib.compress(b"".join(rows), _LEVEL)).decode()
+    return Packed(text, low, step, len(values), planes)
+
+
+def envelope(run: Recording, every: int) -> Recording:
+    """Two samples of each 2 `every`: lowest and highest of every channel, in the order in which they came.
+
+    They stand at the first and the middle instant, so no sample moves by more than 2 `every` of them; a gap stays a
+    gap. In the shorter rest at the end, they stand at its first and last instant. A run comes back as it is
+    if `every` is 1.
+    """
+    size = 2 * every
+    whole = len(run.time) // size * size
+    if every == 1 or not whole:
+        return run
+    last = sorted({whole, len(run.time) - 1}) if whole < len(run.time) else []
+    time = np.concatenate([run.time[:whole:every], run.time[last]])
+
+    def thinned(values: np.ndarray) -> np.ndarray:
+        rest = _ends(values[whole:], len(values) - whole)[: len(last)] if last else values[:0]
+        return np.concatenate([_ends(values[:whole], size), rest])
+
+    return Recording(time, {name: thinned(values) for name, values in run.channels.items()})
+
+
+def _ends(values: np.ndarray, size: int) -> np.ndarray:
+    bins = values.reshape(-1, size)
+    lowest, highest = bins.argmin(axis=1), bins.argmax(axis=1)
+    places = np.stack([np.minimum(lowest, highest), np.maximum(lowest, highest)], axis=1)
+    return np.take_along_axis(bins, places, axis=1).ravel()
+
+
+MOST_TEXT = 10_000_000  # characters of all signals of a page: room for figures below the 15 MB that a page may have
+_PLANES = (3, 2)  # bytes of a sample that are tried, one after the other
+
+
+@dataclass(frozen=True)
+class Signals:
+    """The runs of one result; `label` distinguishes results of one page, empty if alone.
+
+    Without the `vehicle` that drove them nothing is seen from above. `units` are those of channels that belong to no
+    topic. Runs in which the car has spun do not set the limits of axes; `spun` names those that do not hold its motion.
+    """
+
+    label: str
+    runs: Runs
+    vehicle: Vehicle | None
+    units: Mapping[str, str] = field(default_factory=dict)
+    spun: Collection[str] = ()
+
+
+@dataclass
+class SignalData:
+    """What the page's script draws: `index` names blocks, `blocks` are the texts of packed series.
+
+    `precision` has in words what packing has taken from the signals.
+    """
+
+    index: dict[str, Any] = field(default_factory=dict)
+    blocks: list[str] = field(default_factory=list)
+    precision: str = ""
+
+
+def signal_data(results: Sequence[Signals], most_text: int = MOST_TEXT) -> SignalData:
+    """All channels of all runs as fine as `most_text` characters hold: 24 bits, 16 bits, or an envelope of these."""
+    every = 1
+    while True:
+        for planes in _PLANES if every == 1 else _PLANES[-1:]:
+            data = _packed(results, planes, every)
+            if sum(map(len, data.blocks)) <= most_text:
+                return data
+        every *= 2
+
+
+def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
+    places: dict[str, int] = {}
+
+    def placed(packed: Packed) -> dict[str, Any]:
+        block = places.setdefault(packed.text, len(places))
+        return {"block": block, **{name: value for name, value in packed._asdict().items() if name != "text"}}
+
+    runs = []
+    labels = [_label(result, name) for result in results for name in result.runs]
+    strokes = strokes_of(labels) if len(labels) > 1 else {}
+    for result in results:
+        for name, run in result.runs.items():
+            car, label = result.vehicle, _label(result, name)
+            channels = {**run.channels, **(view_channels(run, car) if car else {})}
+            thinned = envelope(Recording(run.time, channels), every)
+            runs.append(
+                {
+                    "name": label,
+                    "stroke": strokes.get(label.replace("_", " ")),
+                    "car": car_of(car) if car else None,
+                    "spun": name in result.spun or has_spun(run),
+                    "time": placed(pack(thinned.time, planes=3, step=_period(run.time))),
+                    "channels": {key: placed(pack(values, planes)) for key, values in thinned.channels.items()},
+                }
+            )
+    names = dict.fromkeys(key for run in runs for key in run["channels"] if not key.startswith(PREFIX))
+    units = {name: unit for result in results for name, unit in result.units.items()}
+    return SignalData({"runs": runs, "groups": groups_of(names, units)}, list(places), _precision(planes, every))
+
+
+def _label(result: Signals, name: str) -> str:
+    return f"{result.label}: {name}" if result.label else name
+
+
+def _period(time: np.ndarray) -> float | None:
+    """The smallest distance of two instants, of which all are multiples; None for less than two."""
+    return float(np.diff(time).min()) if len(time) > 1 else None
+
+
+def _precision(planes: int, every: int) -> str:
+    rounding = f"Samples are rounded to 1/{levels(planes):,} of the range of their channel".replace(",", "\u202f")
+    if every == 1:
+        return f"{rounding}; every sample is there."
+    return (
+        f"{rounding}; of {2 * every} samples the lowest and the highest of each channel are there, for all of them "
+        "would make the page too large."
+    )
+
+
+def by_result(summaries: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """The metrics of all results, one row for each name, values side by side in the order of the results."""
+    names = dict.fromkeys(name for summary in summaries.values() for name in summary["metrics"])
+    rows = []
+    for name in names:
+        found = [summary["metrics"].get(name) for summary in summaries.values()]
+        first = next(metric for metric in found if metric)
+        rows.append({"name": name, "unit": first["unit"], "found": found, "first": first})
+    return rows
+
+
+def measured_signals(
+    measured: Mapping[str, Mapping[str, Any]], units: Mapping[str, str], spun: Collection[str]
+) -> tuple[Signals, ...]:
+    """What was measured over `time` on each case, in these units, if there is such a thing on any."""
+    series = {name: _series(values) for name, values in measured.items()}
+    runs = {name: found for name, found in series.items() if found is not None}
+    return (Signals("", runs, None, units, spun),) if runs else ()
+
+
+def _series(values: Mapping[str, Any]) -> Recording | None:
+    time = values.get(TIME)
+    if not isinstance(time, np.ndarray):
+        return None
+    others = {
+        name: np.asarray(each, dtype=np.float64)
+        for name, each in values.items()
+        if name != TIME and isinstance(each, np.ndarray) and each.shape == time.shape
+    }
+    return Recording(time, others) if others else None
+
+
+@dataclass(frozen=True, slots=True)
+class Image:
+    """A PNG file and what it shows, in words."""
+
+    png: bytes
+    shows: str
+
+    @property
+    def url(self) -> str:
+        """The image itself as an address."""
+        return "data:image/png;base64," + base64.b64encode(self.png).decode()
+
+
+@dataclass(frozen=True)
+class Page:
+    """What a page shows: `summaries` are contents of summary.json by label, `table` is text of a study."""
+
+    title: str
+    summaries: Mapping[str, Mapping[str, Any]]
+    signals: Sequence[Signals] = ()
+    images: Mapping[str, Image] = field(default_factory=dict)
+    table: str = ""
+
+
+def write_page(page: Page, path: Path) -> None:
+    """Write the page, as a whole or not at all."""
+    text = filled(
+        "report.html",
+        page=page,
+        metrics=by_result(page.summaries),
+        data=signal_data(page.signals),
+        car={entry.name: entry.spec for entry in entries(Vehicle)},
+        unit=unit_of,
+    )
+    with atomic_file(path) as file:
+        file.write(text.encode())
+
+
+def filled(template: str, **values: Any) -> str:
+    """The text of a template with these values, with all styles and scripts that it names."""
+    environment = Environment(loader=FunctionLoader(_file), autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters["number"] = _number
+    environment.globals["file"] = _file
+    return environment.get_template(f"templates/{template}").render(**values)
+
+
+def _file(name: str) -> str:
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")
+
+
+def _number(value: Any) -> str:
+    if isinstance(value, bool) or value is None:
+        return {True: "yes", False: "no", None: "\u2013"}[value]
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return ", ".join(map(_number, value)) if isinstance(value, list | tuple) else str(value)
+
+
+def images_of(figures: Mapping[str, Figure], folder: Path) -> dict[str, Image]:
+    """The files NAME.png that were saved in a folder; what they show are titles and labels of their axes."""
+    return {name: Image((folder / f"{name}.png").read_bytes(), _shown(figure)) for name, figure in figures.items()}
+
+
+def _shown(figure: Figure) -> str:
+    panels = []
+    for axes in figure.axes:
+        title = axes.get_title(loc="left") or axes.get_title()
+        labels = " over ".join(filter(None, (axes.get_ylabel(), axes.get_xlabel())))
+        panels.append(": ".join(filter(None, (title, labels))))
+    return "; ".join(dict.fromkeys(filter(None, panels)))

@@ -1,0 +1,215 @@
+"""What driving a scenario gives, to look at from Python and to write into a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ev_core.parameters.data_file import TIME, files_in_config
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.refusal import ParameterError
+from ev_nodes.master.real_time import MasterParameters
+from ev_stack.figures.other_axes import timing_sheet
+from ev_stack.figures.saving import Print, figure_files, save_figures
+from ev_stack.figures.sheets import COLUMN, WIDE, Figure, Sheet, drawn
+from ev_stack.measures.metric import Metric, Runs
+from ev_stack.recording.offline import true_motion
+from ev_stack.recording.outcome import Outcome
+from ev_stack.recording.recording import (
+    OF_ALL_RUNS,
+    PAGE,
+    SIGNALS,
+    SUMMARY,
+    Recording,
+    combined_hash,
+    save,
+    signal_hash,
+)
+from ev_stack.report.reports import figures_of_runs, metrics_of_runs
+from ev_stack.report.summary import COMMAND_LINE, Difference, Summary, differences, write_summary
+from ev_stack.report.tables import html_of, short_lines
+from ev_stack.running.output_folder import OutputFolder
+from ev_stack.scenarios.scenario import Scenario, load_scenario
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+_TIMES = {each.name for each in fields(MasterParameters)} - {"duration"}
+_HOW_IT_IS_RUN = {"mode", "seed", "scheduling_priority", "lock_memory", *_TIMES}  # the sources have no seeds
+
+
+@dataclass(frozen=True, repr=False)
+class Result:
+    """The runs of a scenario that were driven, and how: offline, in-process, processes or realtime.
+
+    `own_nodes`: role -> command of a user's node that took its place. `command` is the line that does the same again.
+    A notebook shows its metrics and figures.
+    """
+
+    scenario: Scenario
+    outcomes: Mapping[str, Outcome]
+    mode: str = "offline"
+    own_nodes: Mapping[str, str] = field(default_factory=dict)
+    command: str = ""
+
+    @property
+    def runs(self) -> Runs:
+        """The signals of each run by its name."""
+        return {name: outcome.recording for name, outcome in self.outcomes.items()}
+
+    @cached_property
+    def truth(self) -> Runs:
+        """The true motion of each run by its name: that of metrics and figures, whatever sensors have shown."""
+        known = {run.name: run.configurations for run in self.scenario.runs}
+        return {name: true_motion(run, known[name]) for name, run in self.runs.items()}
+
+    @property
+    def time(self) -> np.ndarray:
+        """The instants of the only run [s], (n,); ParameterError if there are several."""
+        return self._only.time
+
+    @property
+    def signals(self) -> Mapping[str, np.ndarray]:
+        """By channel, such as imu.yaw_rate, the samples of the only run, (n,); ParameterError if there are several."""
+        return self._only.channels
+
+    @property
+    def hash(self) -> str:
+        """That of all signals of all runs: the same wherever and however they are driven."""
+        return combined_hash({name: signal_hash(run) for name, run in self.runs.items()})
+
+    @property
+    def _only(self) -> Recording:
+        if len(self.outcomes) > 1:
+            raise ParameterError(f"{self.scenario.name} has several runs: runs[NAME] of {', '.join(self.outcomes)}")
+        return next(iter(self.runs.values()))
+
+    @cached_property
+    def metrics(self) -> Mapping[str, Metric]:
+        """Numbers with units, and verdicts where something was published, by name."""
+        found = metrics_of_runs(self.truth, self.scenario.runs)
+        changed = dict.fromkeys(self._other_than_the_source)
+        why = f"{', '.join(changed)} differ{'s' * (len(changed) == 1)} from the source's" if changed else ""
+        return {name: replace(each, unjudged=each.unjudged or why) for name, each in found.items()}
+
+    @property
+    def _other_than_the_source(self) -> list[str]:
+        """What is not as the scenario has it by which a source is reproduced; how fast it is run does not matter."""
+        source = files_in_config("scenarios").get(self._report)
+        own_file = [f"scenario {self.scenario.file}"] if source and not source.samefile(self.scenario.file) else []
+        changed = [d for d in self.differs if d.by == COMMAND_LINE and d.parameter not in _HOW_IT_IS_RUN]
+        return [*own_file, *(f"{d.node}.{d.parameter}" for d in changed), *(f"node {role}" for role in self.own_nodes)]
+
+    @property
+    def _report(self) -> str:
+        return self.scenario.parameters.report or self.scenario.name
+
+    @cached_property
+    def differs(self) -> Sequence[Difference]:
+        """What is not as the scenario's file, or as the defaults have it."""
+        runs = [run.name for run in self.scenario.runs]
+        return differences(self.scenario, load_scenario(str(self.scenario.file), only=runs))
+
+    @cached_property
+    def sheets(self) -> dict[str, Sheet]:
+        """What the figures show, by name."""
+        timing = {"timing": timing_sheet(self._timing)} if self._timing else {}
+        return {**figures_of_runs(self.truth, self.scenario.runs), **timing}
+
+    def figures(self, width: float = WIDE) -> dict[str, Figure]:
+        """Figures [inch wide] of matplotlib by name, drawn anew."""
+        return drawn(self.sheets, width)
+
+    @property
+    def _timing(self) -> dict[str, Mapping[str, Any]]:
+        return {name: outcome.timing for name, outcome in self.outcomes.items() if outcome.timing}
+
+    def data_frame(self, run: str = "") -> DataFrame:
+        """The signals of a run, which may be left out if there is one only, over time [s]; needs pandas.
+
+        `attrs["units"]` has the unit of each column and of the index by name.
+        """
+        try:
+            from pandas import DataFrame, Index
+        except ImportError as error:
+            raise ImportError(f"a data frame needs pandas ({error}): pip install 'ev_stack[frame]'") from None
+
+        recording = self.runs[run] if run else self._only
+        found = DataFrame(dict(recording.channels), index=Index(recording.time, name=TIME))
+        units = frame.units()
+        found.attrs["units"] = {TIME: "s", **{name: units[name] for name in recording.channels}}
+        return found
+
+    def summary(self) -> Summary:
+        """The content of summary.json."""
+        runs = self.scenario.runs
+        nodes = {
+            role if len(runs) == 1 else f"{run.name}/{role}": configuration
+            for run in runs
+            for role, configuration in run.configurations.items()
+        }
+        common = runs[0].configurations[MASTER].common
+        outcomes = self.outcomes.values()
+        return Summary(
+            scenario=self.scenario.name,
+            mode=self.mode,
+            seed=common.seed,
+            methods={node: configuration.method.name for node, configuration in nodes.items()},
+            own_nodes=self.own_nodes,
+            parameters={node: configuration.values() for node, configuration in nodes.items()},
+            vehicle=common.vehicle,
+            runs=self.runs,
+            metrics=self.metrics,
+            wall_time=sum(outcome.wall_time for outcome in outcomes),
+            not_reproducible=tuple(reason for outcome in outcomes for reason in outcome.not_reproducible),
+            notes=(*self.scenario.notes, *(note for outcome in outcomes for note in outcome.notes)),
+            timing=self._timing,
+            about=self.scenario.parameters.about,
+            command=self.command,
+            differs=self.differs,
+        )
+
+    def save(
+        self, directory: Path | str, formats: Sequence[str] = (), width: float = COLUMN, panels: Sequence[str] = ()
+    ) -> None:
+        """Write report.html, summary.json, figures and, for several runs in folders of their names, signals.npz.
+
+        What this or `scripts/run.sh` has written there of the same scenario is replaced. ParameterError, before
+        anything is written, if something else is in the way.
+        `formats`: pdf or svg, for figures that are also wanted for print, then `width` [inch], and `panels` by patterns
+        of NAME, PANEL or NAME.PANEL.
+        """
+        figures, runs = self.figures(), self.scenario.runs
+        files = (*OF_ALL_RUNS, *figure_files(figures))
+        with OutputFolder(Path(directory), f"scenario {self.scenario.name}", files, runs) as folder:
+            for run in runs:
+                save(self.runs[run.name], folder.of(run) / SIGNALS)
+            self.write_report(folder.directory, figures)
+            Print(tuple(formats), width, tuple(panels)).save(self.sheets, folder.directory, folder.claim)
+
+    def write_report(self, folder: Path, figures: Mapping[str, Figure], page: bool = True) -> dict[str, Any]:
+        """Write figures, report.html if it is wanted, and summary.json, whose content comes back."""
+        summary = self.summary()
+        save_figures(figures, folder)
+        content = summary.as_json()
+        write_summary(folder / SUMMARY, content)
+        if page:
+            from ev_stack.report.page.writing import Page, Signals, images_of, write_page
+
+            signals = Signals("", self.runs, summary.vehicle)
+            shown = Page(self.scenario.name, {"": content}, (signals,), images_of(figures, folder))
+            write_page(shown, folder / PAGE)
+        return content
+
+    def __repr__(self) -> str:
+        head = f"Result of {self.scenario.name}, {self.mode}, signal hash {self.hash[:12]}"
+        return "\n  ".join([head, *short_lines(self.metrics)])
+
+    def _repr_html_(self) -> str:
+        return html_of(self.metrics, self.figures(), self.hash)
