@@ -109,3 +109,30 @@ def test_equal_times_and_single_wrong_ones_are_no_clock_that_is_set_back():
     record = record_of(dict(TRUTH), wrong)
     assert "5 of 600 samples passed over" in record.notes[0]
     assert "steps back" not in " ".join(record.notes)
+
+
+@settings(deadline=None, max_examples=30)
+@given(together=st.integers(3, 12), apart=st.floats(1e-5, 1e-3))
+def test_samples_in_bursts_have_the_period_of_their_sensor(together, apart):
+    """A buffer hands several on at once: their median distance is that of two messages on a line, not of two samples.
+
+    What is read is late by the length of a burst at most, and all of it is believed.
+    """
+    number = np.arange(SAMPLES)
+    arrival = PERIOD * together * (number // together + 1) + apart * (number % together)
+    record = record_of(dict(TRUTH), arrival)
+    assert record.period == pytest.approx(PERIOD, rel=0.03)  # the first burst and the last one have no other side
+    assert record.valid.all()
+    assert "samples come in bursts" in record.notes[-1]
+    late = PERIOD * together + apart * together
+    off = np.abs(record[YAW_RATE] - 0.4 * np.sin(2.0 * record.time))
+    assert off.max() < 0.8 * late + 1e-3  # the yaw rate changes by 0.8 rad/s^2 at most
+
+
+def test_samples_that_are_lost_are_no_bursts():
+    """Every fourth one of a log, and a part of it at a tenth of the rate."""
+    kept = (np.arange(SAMPLES) % 4 > 0) & ((np.arange(SAMPLES) < 400) | (np.arange(SAMPLES) % 10 == 0))
+    columns = {name: values[kept] for name, values in TRUTH.items()}
+    record = record_of(columns, TIME[kept])
+    assert record.period == PERIOD
+    assert "bursts" not in " ".join(record.notes)

@@ -17,7 +17,16 @@ from ev_stack.running.output_folder import OutputFolder
 from ev_stack.scenarios.about import configured_file
 from ev_stack.scenarios.scenario import Overrides
 from ev_study.measured.identified import CAR as CAR_FILE
-from ev_study.measured.replays.open_loop import graph
+from ev_study.measured.records.record import (
+    LONGITUDINAL,
+    ROAD_WHEEL_ANGLE,
+    YAW_RATE,
+    ColumnParameters,
+    MaskParameters,
+    measured,
+)
+from ev_study.measured.records.samples import Sampled
+from ev_study.measured.replays.open_loop import OpenLoop, graph, windows_of
 
 IN_CORRIDORS = ("steering_angle", "twist.yaw_rate", "sideslip")
 
@@ -86,6 +95,26 @@ def test_a_value_that_a_replay_has_from_the_record_is_refused(tmp_path, imposed,
     with pytest.raises(SystemExit, match=r"plant\.initial_speed is refused: a replay has it from the record"):
         main(["identify", str(path), "--vehicle", CAR, "--window", "2", "--free", "plant.initial_speed",
               "--out", str(tmp_path / "out")])  # fmt: skip
+
+
+@pytest.mark.parametrize("gap", [(8.0, 8.0), (4.0, 4.6), (4.0, 6.0)])
+def test_a_car_whose_lateral_velocity_was_not_measured_has_it_when_a_window_begins(gap):
+    """At the begin of a record and behind a gap, too: the second before is driven as measured, not as interpolated.
+
+    The very car follows to 0.0002 rad/s then; windows that began at once were up to 0.008 rad/s off.
+    """
+    run = driven()
+    kept = ~((run.time > gap[0]) & (run.time < gap[1]))
+    columns = {
+        name: (Sampled(run.time[kept], run.channels[name][kept]), ColumnParameters())
+        for name in (LONGITUDINAL, YAW_RATE, ROAD_WHEEL_ANGLE)
+    }
+    record = measured("made", "", columns, MaskParameters())
+    replay = OpenLoop(record, windows_of(record, 2.0), graph(CAR, PERIOD))
+    off = replay.simulate()[YAW_RATE][0] - replay.measured(YAW_RATE)
+    assert np.sqrt(np.mean(off**2, axis=1)).max() < 2e-4
+    first = [1.0, 3.0, 5.0, 7.0, 9.0] if gap[0] == gap[1] else [1.0, gap[1] + 1.0]
+    assert record.time[replay.windows.first][: len(first)] == pytest.approx(first)
 
 
 def test_a_replay_has_the_period_of_the_record(tmp_path):

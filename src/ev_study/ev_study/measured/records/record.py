@@ -12,7 +12,7 @@ import numpy as np
 
 from ev_core.parameters.declaration import parameter, setting
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_study.measured.records.samples import Sampled, cut, in_order, jumps, without_spikes
+from ev_study.measured.records.samples import Sampled, cut, in_order, jumps, spacing_of, without_spikes
 
 YAW_RATE, LATERAL, LONGITUDINAL = "twist.yaw_rate", "twist.lateral", "twist.longitudinal"
 LATERAL_ACCELERATION, LONGITUDINAL_ACCELERATION = "imu.lateral_acceleration", "imu.longitudinal_acceleration"
@@ -160,7 +160,7 @@ def measured(
         if np.isfinite(each.values).sum() < 2:
             raise ParameterError(f"{source}: {name} has less than two finite numbers")
     clock = columns.get(YAW_RATE, next(iter(columns.values())))[0].time
-    step = float(np.median(np.diff(clock)))
+    step = spacing_of(clock).interval
     period = round(step, 6)
     if not period:
         raise ParameterError(f"{source}: samples are {step:.3g} s apart, expected 1e-06 s or more: unit of the time?")
@@ -174,7 +174,7 @@ def measured(
         channels[name] = np.interp(instants, time[finite], each.values[finite])
         valid &= np.interp(instants, time, finite) == 1.0
         before = np.clip(np.searchsorted(time, instants + 1e-9, side="right") - 1, 0, len(time) - 2)
-        apart = 1.5 * max(float(np.median(np.diff(time))), period)
+        apart = 1.5 * max(spacing_of(time).largest, period)
         valid &= (time[before + 1] - time[before] < apart) | (np.abs(time[before] - instants) < 1e-6)
     _move_to_centre(channels, {name: declared for name, (_, declared) in columns.items()}, period)
     for name in (ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE):
@@ -187,7 +187,13 @@ def measured(
     noise = {
         name: declared.noise * abs(declared.factor(name)) for name, (_, declared) in columns.items() if declared.noise
     }
-    spacing = {name: float(np.median(np.diff(each.time))) for name, (each, _) in columns.items()}
+    found = {name: spacing_of(each.time) for name, (each, _) in columns.items()}
+    spacing = {name: each.interval for name, each in found.items()}
+    if bursts := [name for name, each in found.items() if each.is_in_bursts]:
+        most = max(found[name].largest for name in bursts)
+        notes += (
+            f"{', '.join(bursts)}: samples come in bursts, up to {most:.2g} s apart: their times are those of arrival",
+        )
     _complete_sideslip(channels, noise, spacing)
     return MeasuredRecord(source, digest, float(begin), period, channels, valid, notes, noise, spacing)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from ev_msgs_py.refusal import ParameterError
 _LONGEST_SPIKE = 10  # samples in which a signal that has jumped away has to be back, else it has jumped for good
 _PAUSE = 86400.0  # [s], longer than any pause in a record: a clock that was not set yet is years behind
 _NAMED, _MOST_JUMPS = 5, 50  # places that a note names, and jumps among which that back is looked for
+_TOGETHER = 20  # samples, more than a buffer hands on at once
 _ANOTHER = 100  # samples in a row for which the clock has no room: they are those of another drive
 
 
@@ -109,6 +111,28 @@ def without_spikes(
     return kept, tuple(notes), cuts
 
 
+class Spacing(NamedTuple):
+    """How far the samples of a series are apart, and how far at most without a gap [s]."""
+
+    interval: float
+    largest: float
+    is_in_bursts: bool = False
+
+
+def spacing_of(time: np.ndarray) -> Spacing:
+    """The median for both; of samples in bursts the mean, and what lies between two bursts.
+
+    A buffer hands such samples on together, and each gets the time at which it came.
+    """
+    steps = np.diff(time)
+    step = float(np.median(steps))
+    over_several = (time[_TOGETHER:] - time[:-_TOGETHER]) / _TOGETHER
+    if not len(over_several) or np.median(over_several) <= 2.0 * step:
+        return Spacing(step, step)
+    between = float(np.quantile(steps, 1.0 - 1.0 / _TOGETHER))
+    return Spacing(float(np.mean(steps[steps <= 1.5 * between])), between, True)
+
+
 def cut(instants: np.ndarray, cuts: Sequence[Cut]) -> np.ndarray:
     """Which instants [s] lie between the samples of a cut, and one at least for each, (n,) bool."""
     found = np.zeros(len(instants), bool)
@@ -182,11 +206,11 @@ def jumps(values: np.ndarray, limit: float | np.ndarray, sure: float = 1.0) -> t
     for number, edge in enumerate(edges.tolist()):
         if edge < behind:
             continue
-        half = 0.5 * sizes[edge]  # of the jump; a car that drives on meanwhile is back somewhere else
-        near = np.abs(values[edge + 2 : edge + 2 + _LONGEST_SPIKE] - values[edge]) < min(3.0 * limits[edge], half)
+        most = max(limits[edge], 0.5 * sizes[edge])  # a car that drives on meanwhile is back somewhere else
+        near = np.abs(values[edge + 2 : edge + 2 + _LONGEST_SPIKE] - values[edge]) < min(3.0 * limits[edge], most)
         later = edges[number + 1 : number + 1 + _MOST_JUMPS]
         later = later[is_sure[later] & is_sure[edge] & (later - edge <= len(values) // 2)]
-        later = later[np.abs(values[later + 1] - values[edge]) < half]
+        later = later[np.abs(values[later + 1] - values[edge]) < most]
         if near.any():
             behind = edge + 2 + int(near.argmax())
         elif edge < short:  # a sensor that has not begun yet

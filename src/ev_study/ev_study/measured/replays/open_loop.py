@@ -71,18 +71,20 @@ class Windows:
 def windows_of(record: MeasuredRecord, length: float, begin: float = 0.0, end: float = 1.0) -> Windows:
     """Windows of `length` [s] one behind the other, between two shares of the record's duration.
 
-    A window begins anew behind what is masked; one in which the car stands throughout is passed over. ParameterError
-    if not one fits.
+    A window begins anew behind what is masked, or `LEAD` behind it and behind the begin of the record where the car has
+    to find its own lateral velocity; one in which the car stands throughout is passed over. ParameterError if not one
+    fits.
     """
     least, most = (FEWEST - 1) * record.period, len(record.valid) * record.period
     if not least <= length <= most:
         what = f"a window of {length:g} s of {record.source} is refused"
         raise ParameterError(f"{what}, expected {least:g} to {most:g} s (--window)")
     size = round(length / record.period) + 1
-    first, place, at_rest = [], int(begin * len(record.valid)), 0
+    lead = 0 if LATERAL in record.channels else round(LEAD / record.period)
+    first, place, at_rest = [], max(int(begin * len(record.valid)), lead), 0
     last = int(end * len(record.valid))
     while place + size <= last:
-        bad = np.flatnonzero(~record.valid[place : place + size])
+        bad = np.flatnonzero(~record.valid[place - lead : place + size])
         if len(bad):
             place += int(bad[-1]) + 1
             continue
