@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import ev_stack
 from ev_core.vehicle.description import Vehicle
@@ -11,7 +13,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.driver.off_path import distances_from
 from ev_sim.driver.path import PathParameters, path_of
 from ev_stack.manoeuvres.double_lane_change import is_over, passed
-from ev_stack.measures.course import Course
+from ev_stack.measures.course import Course, edges, hit_cones
 from ev_stack.recording.recording import Recording
 from ev_stack.report.reports import report_for
 
@@ -49,6 +51,23 @@ def test_who_stays_in_the_lanes_passes_on_either_side():
 def test_who_touches_a_cone_does_not_pass():
     """0.8 m aside the body, 0.82 m to each side, reaches over the cones at 1.5 m of the first lane."""
     assert judged(driven((13.0, 0.8), (17.0, -3.0)))[:2] == (0.0, 4)
+
+
+@given(offset=st.floats(-0.5, 0.5), aside=st.floats(-1.0, 1.0), turned=st.floats(-0.5, 0.5))
+def test_the_body_lies_around_the_middle_of_the_car_not_around_its_centre_of_mass(offset, aside, turned):
+    """A car whose centre of mass is left of its middle has the body of one that drives as far right of it."""
+    cosine, sine = np.cos(turned), np.sin(turned)
+    body, mass = driven((13.0, aside), (17.0, aside - 3.0)), driven((13.0, aside), (17.0, aside - 3.0))
+    for run in (body, mass):
+        run.channels["pose.orientation_z"] += np.sin(turned / 2)
+        run.channels["pose.orientation_w"] += np.cos(turned / 2) - 1.0
+    mass.channels["pose.x"] -= offset * sine
+    mass.channels["pose.y"] += offset * cosine
+    car = Vehicle(centre_of_mass_offset=offset)
+    for one, other in zip(edges(mass, car, SLALOM), edges(body, Vehicle(), SLALOM), strict=True):
+        assert np.allclose(one, other, atol=1e-9)
+    differ = hit_cones(mass, car, SLALOM) != hit_cones(body, Vehicle(), SLALOM)
+    assert differ.sum() <= 1  # a cone at the very edge, to rounding
 
 
 def test_who_has_left_the_road_has_not_passed_it_cleanly():

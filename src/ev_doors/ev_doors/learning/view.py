@@ -30,11 +30,12 @@ def picture(car: Vehicle, here: Mapping[str, float], time: float, way: Sequence[
     rear, width = -car.centre_of_mass_to_rear_axle, max(car.front_track, car.rear_track) + _TYRE_WIDTH
     front = rear + car.wheelbase
     middle, length = (front + rear) / 2.0, car.wheelbase + 2.0 * _OVERHANG
-    shapes = [(middle, 0.0, 0.0, length, width, "lightgrey")]
+    shapes = [(middle, -car.centre_of_mass_offset, 0.0, length, width, "lightgrey")]
     angles = {front: here["steering_column.state.road_wheel_angle"], rear: here.get("rear_steering.state.angle", 0.0)}
     for axle, track in ((front, car.front_track), (rear, car.rear_track)):
         for side in (0.5, -0.5):
-            shapes.append((axle, side * track, angles[axle], 2.0 * car.wheel_radius, _TYRE_WIDTH, "black"))
+            beside = side * track - car.centre_of_mass_offset
+            shapes.append((axle, beside, angles[axle], 2.0 * car.wheel_radius, _TYRE_WIDTH, "black"))
     for along, across, angle, long, wide, color in shapes:
         corners = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) * (long / 2.0, wide / 2.0)
         in_car = corners @ _turned(angle) + (along, across)

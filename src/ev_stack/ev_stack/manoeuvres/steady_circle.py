@@ -123,11 +123,10 @@ def steady(run: Recording) -> slice:
 
 
 def _side(run: Recording) -> float:
-    """1 on a circle to the left, -1 to the right."""
-    angle = channel(run, motion.STEERING_WHEEL_ANGLE)[-1]
-    if not angle:
+    """1 on a circle to the left, -1 to the right: an oversteering car may be steered against it in the end."""
+    if not channel(run, motion.STEERING_WHEEL_ANGLE)[-1]:
         raise NotMeasured("the steering wheel is not turned")
-    return float(np.sign(angle))
+    return float(np.sign(motion.lateral_acceleration_on_path(run).sum()))
 
 
 def _inward_acceleration(run: Recording) -> np.ndarray:

@@ -115,7 +115,7 @@ def cones(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
 
 
 def hit_cones(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
-    """Which of the cones came to lie under the body, (n,) bool."""
+    """Which of the cones came to lie under the body, (n,) bool; its middle is beside an offset centre of mass."""
     x, y, heading = channel(run, "pose.x"), channel(run, "pose.y"), motion.heading(run)
     front = vehicle.wheelbase - vehicle.centre_of_mass_to_rear_axle + course.overhang
     rear = vehicle.centre_of_mass_to_rear_axle + course.overhang
@@ -123,7 +123,7 @@ def hit_cones(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
     hit = []
     for cone_x, cone_y in cones(run, vehicle, course):
         ahead = (cone_x - x) * cosine + (cone_y - y) * sine
-        aside = (cone_y - y) * cosine - (cone_x - x) * sine
+        aside = (cone_y - y) * cosine - (cone_x - x) * sine + vehicle.centre_of_mass_offset
         hit.append(bool(((ahead > -rear) & (ahead < front) & (np.abs(aside) < half)).any()))
     return np.array(hit)
 
@@ -140,5 +140,6 @@ def outside_lanes(run: Recording, lanes: Iterable[Lane]) -> np.ndarray:
 def edges(run: Recording, vehicle: Vehicle, course: Course) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """Paths of the left and of the right end of the body beside the centre of mass, x and y (n,) each [m]."""
     x, y, heading = channel(run, "pose.x"), channel(run, "pose.y"), motion.heading(run)
-    half = course.body_width(vehicle) / 2
-    return tuple((x - side * half * np.sin(heading), y + side * half * np.cos(heading)) for side in (1, -1))
+    half, offset = course.body_width(vehicle) / 2, vehicle.centre_of_mass_offset
+    ends = (half - offset, -half - offset)
+    return tuple((x - end * np.sin(heading), y + end * np.cos(heading)) for end in ends)

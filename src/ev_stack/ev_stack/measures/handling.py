@@ -24,6 +24,7 @@ GRADIENT_RANGE = (0.5, 4.0)  # [m/s^2], lateral accelerations over which gradien
 # The ramp of FMVSS 126, S7.6, has 0.4 m/s^2 of V beta' and 2 to 5.4 m/s^3, lane changes 2 m/s^2 or 8 m/s^3 and more.
 UNSTEADY = 0.5  # [m/s^2], of V beta' and V'
 FASTEST_CHANGE, WHILE = 6.0, 0.5  # [m/s^3] of the lateral acceleration, over [s]
+_AXLES_OF_WHEELS = [name.partition("_")[0] for name in WHEEL_NAMES]
 LARGEST_ANGLE = 0.1  # [rad] of the road wheels, where tan(delta) is 0.3 % more than delta
 
 
@@ -42,17 +43,32 @@ class Force(NamedTuple):
 
 
 def wheel_directions(run: Recording, vehicle: Vehicle) -> Mapping[str, Direction]:
-    """Where each wheel points, by the vehicle's steering geometry and what turns its rear wheels."""
+    """Where each wheel points: by the steering geometry, what turns the rear wheels, and compliance steer.
+
+    The side force of an axle turns its wheels, those in front out of the bend (`plant.planar.contact.point`).
+    """
     mean = channel(run, motion.ROAD_WHEEL_ANGLE)
     apart = run.channels.get("rear_steering.state.angle", 0.0)
     angle, rear = np.tan(mean), np.tan(vehicle.rear_steering_ratio * mean + apart)
     parallel = float(vehicle.steering_geometry == "parallel")
     tangents = (*front_wheel_tangents(angle, vehicle.wheelbase, vehicle.front_track, parallel), rear, rear)
+    tangents = [_bent(run, vehicle, axle, tangent) for axle, tangent in zip(_AXLES_OF_WHEELS, tangents, strict=True)]
     cosines = (1 / np.hypot(1.0, tangent) for tangent in tangents)
     return {
         wheel: Direction(cosine, tangent * cosine)
         for wheel, tangent, cosine in zip(WHEEL_NAMES, tangents, cosines, strict=True)
     }
+
+
+def _bent(run: Recording, vehicle: Vehicle, axle: str, tangent: np.ndarray) -> np.ndarray:
+    """The tangent of the angle of a wheel as the side force on its axle bends it, (n,)."""
+    suspension = vehicle.suspension
+    compliance = suspension.rear_compliance_steer if axle == "rear" else -suspension.front_compliance_steer
+    if compliance == 0.0 or not any(name.startswith("tire_forces.lateral_force.") for name in run.channels):
+        return tangent
+    held = sum(channel(run, f"tire_forces.lateral_force.{axle}_{side}") for side in ("left", "right"))
+    turned: np.ndarray = np.tan(np.arctan(tangent) + np.arctan(compliance * held))
+    return turned
 
 
 def tyre_force(run: Recording, wheel: str, vehicle: Vehicle) -> Force:
@@ -83,8 +99,7 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
     chapter 8.
     """
     _refuse_slip_speed(vehicle)
-    speed, angle = channel(run, "twist.longitudinal"), channel(run, motion.ROAD_WHEEL_ANGLE)
-    turned = angle * (1.0 - vehicle.rear_steering_ratio) - run.channels.get("rear_steering.state.angle", 0.0)
+    speed, turned = channel(run, "twist.longitudinal"), _turning_angle(run, vehicle)
     gradient = np.where(speed < 0.0, -understeer_gradient(vehicle, ahead=-1.0), understeer_gradient(vehicle))
     # Beyond its critical speed the linear car has no steady turn: only friction limits what it would do.
     length = np.maximum(vehicle.wheelbase + gradient * speed**2, _LEAST_LENGTH * vehicle.wheelbase)
@@ -99,16 +114,25 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
     return float(np.sqrt(np.mean(error**2)))
 
 
-def measured_understeer_gradient(run: Recording, vehicle: Vehicle) -> float:
-    """Slope of delta - L a_y/V^2 over a_y, before it is first beyond GRADIENT_RANGE [rad s^2/m]; magnitudes.
+def _turning_angle(run: Recording, vehicle: Vehicle) -> np.ndarray:
+    """Angle of the front wheels less that of the rear ones, by which a car turns, (n,) [rad]."""
+    angle = channel(run, motion.ROAD_WHEEL_ANGLE)
+    return angle * (1.0 - vehicle.rear_steering_ratio) - run.channels.get("rear_steering.state.angle", 0.0)
 
-    NotMeasured unless the car turns steadily all the while, as on a slow ramp of the steering wheel or a circle (ISO
-    4138): elsewhere the angle also turns the car, and the slope is no property of it.
+
+def measured_understeer_gradient(run: Recording, vehicle: Vehicle) -> float:
+    """Slope of delta - L a_y/V^2 over a_y, before it is first beyond GRADIENT_RANGE [rad s^2/m].
+
+    Both count into the bend: delta, the angle of the front wheels less that of the rear ones, is below zero where an
+    oversteering car beyond its critical speed is steered against it. NotMeasured unless the car turns steadily all the
+    while, as on a slow ramp of the steering wheel or a circle (ISO 4138): elsewhere the angle also turns the car, and
+    the slope is no property of it.
     """
-    across = np.abs(motion.lateral_acceleration_on_path(run))
+    to_left = motion.lateral_acceleration_on_path(run)
+    across = np.abs(to_left)
     _refuse_unsteady(run, across)
     rolling = vehicle.wheelbase * across / np.maximum(motion.speed(run), motion.SLOWEST) ** 2
-    beyond = np.abs(channel(run, motion.ROAD_WHEEL_ANGLE)) - rolling
+    beyond = np.sign(to_left) * _turning_angle(run, vehicle) - rolling
     return motion.line_over(across, beyond, *GRADIENT_RANGE)[0]
 
 

@@ -101,7 +101,7 @@ _OF_ANY_RUN = (
     ),
     NamedMetric(
         "understeer_gradient", "rad s^2/m",
-        "slope of |delta| - L |a_y|/V^2 over |a_y| from 0.5 to 4 m/s^2, of a car that turns steadily",
+        "slope of delta - L a_y/V^2 over a_y from 0.5 to 4 m/s^2, into the bend positive, of a car that turns steadily",
         lambda run: handling.measured_understeer_gradient(run.signals, run.vehicle),
         (_TWIST, _ANGLE, motion.YAW_RATE, *_ACCELERATION),
     ),
