@@ -14,7 +14,7 @@ from measured.made_records import CAR, PERIOD, columns_of, driven, write
 from ev_stack.commands.run_scenario import main
 from ev_stack.scenarios.scenario import Overrides
 from ev_study.measured.free_parameters import free_parameters
-from ev_study.measured.identification import FLOORS, Residuals, identify
+from ev_study.measured.identification import FLOORS, Fitted, Residuals, identify, moved_by_scales
 from ev_study.measured.identified import PARTS, Identified
 from ev_study.measured.intervals import knowledge
 from ev_study.measured.records.record import (
@@ -142,6 +142,32 @@ def test_a_search_out_of_steps_gives_no_interval_and_one_that_ends_does():
     assert whole.doubts == []
     assert np.isfinite(whole.intervals).all()
     assert " in 95 %" in whole.notes()[0]
+
+
+@pytest.mark.parametrize("channel", [LONGITUDINAL, ROAD_WHEEL_ANGLE])
+def test_what_the_scale_of_a_sensor_does_to_parameters_is_known_beforehand(channel):
+    """A fit to a record whose sensor shows 2 % too much finds what was foretold, to 5 % of the larger moves.
+
+    A per cent of the speed moves inertia and cornering stiffness by 2 %, many of their deviations: the errors that are
+    left are the same, so no fit sees it.
+    """
+    random = np.random.Generator(np.random.PCG64(0))
+    noise = {YAW_RATE: 0.01, LATERAL: 0.05, LONGITUDINAL: 0.05}
+    noisy = {n: driven().channels[n] + size * random.standard_normal(len(driven().time)) for n, size in noise.items()}
+    replay = replay_of(record_of(noisy), inertia=1.1)
+    names = ["yaw", "vehicle.tyre.front_mf.pky1", "vehicle.tyre.rear_mf.pky1"]
+    free = free_parameters(names, replay.configurations)
+
+    def fit(of: OpenLoop) -> Fitted:
+        return identify(of, free, (YAW_RATE, SIDESLIP), every=5, width=1.0, starts=1, seed=0, most=25)
+
+    found, other = fit(replay), fit(replay.scaled(channel, 1.02))
+    moved = 2.0 * moved_by_scales(replay, free, found, 5, 1.0)[channel]
+    share, foretold = (other.values - found.values) / found.values, moved / found.values
+    assert share == pytest.approx(foretold, abs=0.05 * np.abs(foretold).max())
+    assert other.weights[YAW_RATE] == pytest.approx(found.weights[YAW_RATE], rel=0.01)
+    if channel == LONGITUDINAL:
+        assert foretold == pytest.approx(0.04, rel=0.3)
 
 
 def test_one_window_gives_no_interval():

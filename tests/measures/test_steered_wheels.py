@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from ev_core.lockstep.configuration import configure
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.measures.handling import measured_understeer_gradient, slip_powers, wheel_directions
-from ev_sim.measures.registry import driven_run
 from ev_sim.plant.planar.given import wheel_places
-from ev_sim.recording.offline import run_offline
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_stack.measures.handling import measured_understeer_gradient, slip_powers, wheel_directions
+from ev_stack.measures.named import driven_run
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0], ids=["forwards", "reverse"])

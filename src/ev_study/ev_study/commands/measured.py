@@ -24,7 +24,7 @@ from ev_stack.scenarios.about import vehicle_file
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.scenario import Overrides
 from ev_study.measured.free_parameters import GROUPS, free_parameters
-from ev_study.measured.identification import identify
+from ev_study.measured.identification import identify, moved_by_scales
 from ev_study.measured.identified import CAR, FILES_OF_IDENTIFICATION, PARTS, Identified
 from ev_study.measured.intervals import knowledge
 from ev_study.measured.journal import Journal, search_key
@@ -181,7 +181,8 @@ def run_identify(argv: Sequence[str]) -> None:
             most=given.steps, progress=lambda line: print(line, flush=True), journal=journal,
         )  # fmt: skip
         known = knowledge(fitted.residuals, fitted.derivatives, fitted.values, free, given.prior, seed)
-        found = Identified(free, fitted, known, replays, stated, beside, command_of(["identify", *argv]))
+        moved = moved_by_scales(replay, free, fitted, given.every, given.prior)
+        found = Identified(free, fitted, known, replays, stated, beside, command_of(["identify", *argv]), moved)
         print(found.table())
         found.write(folder.directory, not given.no_report)
         journal.remove()

@@ -10,7 +10,7 @@ from scipy.optimize import OptimizeResult, least_squares
 
 from ev_study.measured.free_parameters import FreeParameter, changes
 from ev_study.measured.journal import Journal
-from ev_study.measured.records.record import SIDESLIP, YAW_RATE
+from ev_study.measured.records.record import LONGITUDINAL, SIDESLIP, YAW_RATE
 from ev_study.measured.replays.open_loop import OpenLoop
 
 STEP = 1e-3  # of a scale, for forward differences: far above rounding, far below any curvature of the errors
@@ -99,6 +99,23 @@ def floors_of(replay: OpenLoop, signals: Sequence[str]) -> dict[str, float]:
     """By signal the noise that is declared of its sensor, or that of a good one."""
     deviations = {name: float(np.nanstd(replay.measured(name))) for name in signals}
     return {n: replay.record.noise.get(n) or FLOORS.get(n, FLOOR * of) for n, of in deviations.items()}
+
+
+def moved_by_scales(
+    replay: OpenLoop, free: Sequence[FreeParameter], fitted: Fitted, every: int, width: float
+) -> dict[str, np.ndarray]:
+    """By measured input how far each parameter moves for a per cent that its sensor shows too much, in its unit, (n,).
+
+    One step of Gauss and Newton from the optimum. A fit cannot see such an error: other parameters reproduce it.
+    """
+    scale, found = np.array([each.scale for each in free]), {}
+    by_parameters = fitted.derivatives.reshape(-1, len(free))
+    whole = by_parameters.T @ by_parameters + np.eye(len(free)) / width**2
+    for channel in (LONGITUDINAL, replay.steering_channel):
+        more = Residuals(replay.scaled(channel, 1.01), free, fitted.weights, every, width)
+        change = (more.at((fitted.values / scale)[None])[0] - fitted.residuals).ravel()
+        found[channel] = -np.linalg.solve(whole, by_parameters.T @ change) * scale
+    return found
 
 
 def identify(

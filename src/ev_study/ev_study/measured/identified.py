@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from ev_stack.report.tables import text_table
 from ev_study.measured.free_parameters import FreeParameter, changes
 from ev_study.measured.identification import Fitted, floors_of
 from ev_study.measured.intervals import Knowledge, in_words
-from ev_study.measured.records.record import quoted_source
+from ev_study.measured.records.record import LONGITUDINAL, quoted_source
 from ev_study.measured.replays.errors import CLEAR, Judged
 from ev_study.measured.replays.open_loop import COMPARED, OpenLoop
 from ev_study.measured.replays.validation import FILES, Validation
@@ -32,7 +32,8 @@ CONSTANT = 0.5
 class Identified:
     """A fit, what it knows, and by part of the record the replays of start and result.
 
-    `stated` is what was given of the vehicle by dotted name, `beside` what else by ROLE.PARAMETER.
+    `stated` is what was given of the vehicle by dotted name, `beside` what else by ROLE.PARAMETER. `moved` is by input
+    what one per cent of its sensor's scale moves each parameter by, (parameters,), empty if nobody asks.
     """
 
     free: Sequence[FreeParameter]
@@ -42,6 +43,7 @@ class Identified:
     stated: Mapping[str, Any]
     beside: Mapping[str, Any]
     command: str
+    moved: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @cached_property
     def judged(self) -> Mapping[str, tuple[Validation, Validation]]:
@@ -125,8 +127,10 @@ class Identified:
         ):
             known = (f"{low:.4g}", f"{high:.4g}", f"{self.known.deviation[place]:.2g}")
             given = ("-", "-", "-") if self._why_none(place) else known
-            rows.append([each.name, f"{each.start:.6g}", f"{value:.6g}", *given, each.unit])
-        columns = ("parameter", "start", "identified", "2.5 %", "97.5 %", "deviation", "unit")
+            moved = (f"{of[len(rows)]:+.2g}" for of in self.moved.values())
+            rows.append([each.name, f"{each.start:.6g}", f"{value:.6g}", *given, *moved, each.unit])
+        scales = ("1 % of speed" if name == LONGITUDINAL else "1 % of angle" for name in self.moved)
+        columns = ("parameter", "start", "identified", "2.5 %", "97.5 %", "deviation", *scales, "unit")
         errors = [
             [
                 part,
@@ -183,6 +187,7 @@ class Identified:
                     "interval": None if self._why_none(place) else interval.tolist(),
                     "deviation": None if self._why_none(place) else float(deviation),
                 },
+                "moved_by_one_per_cent": {channel: float(of[place]) for channel, of in self.moved.items()},
                 **{"unit": each.unit, "source": source},
             }
             for place, (each, value, interval, deviation) in enumerate(

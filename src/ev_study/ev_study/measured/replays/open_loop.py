@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -189,7 +189,7 @@ class OpenLoop:
         self.record, self.windows = record, windows
         self._signals = (*dict.fromkeys((LONGITUDINAL, *signals)),)
         self.configurations = configurations
-        self.is_imposed, self.cut_off = imposed == "speed", cut_off
+        self.is_imposed, self.cut_off, self._imposed = imposed == "speed", cut_off, imposed
         held = LATERAL in record.channels
         self._lead = round((HOLD if held else LEAD) / record.period)
         size = self._lead + windows.size
@@ -228,6 +228,22 @@ class OpenLoop:
             driven = configurations["plant"].common.vehicle.driven_wheels
             self.driven_one_by_one = {wheel: windows.of(torques[f"drive.{wheel}"]) for wheel in driven}
         self._duration = time[-1]
+
+    def scaled(self, channel: str, factor: float) -> OpenLoop:
+        """The same with a measured channel, the speed or the steering angle, so much larger."""
+        channels = dict(self.record.channels)
+        channels[channel] = factor * channels[channel]
+        if LATERAL in channels:
+            speed = channels[LONGITUDINAL]
+            known = np.isfinite(channels[SIDESLIP])
+            channels[SIDESLIP] = np.where(known, sideslip(speed, channels[LATERAL], speed), np.nan)
+        record = replace(self.record, channels=channels)
+        return OpenLoop(record, self.windows, self.configurations, self._signals, self._imposed, self.cut_off)
+
+    @property
+    def steering_channel(self) -> str:
+        """That of the measured angle: of the road wheels, or else of the steering wheel."""
+        return ROAD_WHEEL_ANGLE if ROAD_WHEEL_ANGLE in self.record.channels else STEERING_WHEEL_ANGLE
 
     @property
     def road_wheel_angle(self) -> np.ndarray:
