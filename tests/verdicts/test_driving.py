@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from judging import drive_here
+from run_script import ROOT
 
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.commands.run_scenario import main
@@ -23,6 +24,14 @@ from ev_study.verdicts.need import Kept, ScenarioNeed, StudyNeed, cases_of, driv
 HOLDING = ScenarioNeed("shchur2019_steps", runs=("hold_manual",), duration=0.1)
 SHORT_STUDY = StudyNeed("five_methods", ("--seeds", "1", "--drivers", "pulse"))
 CHEAP = cases_of(HOLDING)[0]
+LAW = """
+from ev_core.law import WheelTorqueCommand, WheelTorqueRequest, compilable, method
+
+@method("asr", "mine")
+@compilable
+def mine(request: WheelTorqueRequest) -> WheelTorqueCommand:
+    return WheelTorqueCommand(request.drive, request.brake)
+"""
 
 
 def counting(driven: list[str]):
@@ -41,6 +50,38 @@ def test_a_run_is_driven_once(tmp_path: Path):
     assert list(again.runs) == ["hold_manual"]
     assert np.array_equal(first.runs["hold_manual"].time, again.runs["hold_manual"].time)
     assert again.vehicle.name == "audi_a2"
+
+
+def test_another_text_outside_of_config_is_another_run(tmp_path: Path):
+    """A scenario is named by the path of its file, which stays the same."""
+    file, driven = tmp_path / "mine.yaml", list[str]()
+    need = ScenarioNeed(str(file), runs=("hold_manual",), duration=0.1)
+    text = (ROOT / "config/scenarios/shchur2019_steps.yaml").read_text()
+    texts = (text, f"{text}\n/**/steering_column: {{ros__parameters: {{damping: 8.0}}}}\n")
+    for each in (*texts, texts[0]):
+        file.write_text(each)
+        runs = drive([need], Kept(tmp_path / "kept"), counting(driven))[need]
+        assert runs.parameters["steering_column"]["damping"] == (8.0 if each == texts[1] else 7.5)
+    assert driven == ["hold_manual", "hold_manual"]
+
+
+@pytest.mark.parametrize("way", ["vehicle", "value", "file"])
+def test_a_case_is_kept_by_the_texts_of_the_files_that_it_names(way: str, tmp_path: Path):
+    """A car, a law or a parameter file by the path of it."""
+    texts, name = {
+        "vehicle": ((ROOT / "config/vehicles/audi_a2.yaml").read_text(), "mine.yaml"),
+        "value": (LAW, "mine.py"),
+        "file": ("/**/steering_column: {ros__parameters: {damping: 8.0}}", "mine.yaml"),
+    }[way]
+    file, kept = tmp_path / name, Kept(tmp_path / "kept")
+    changed = {"vehicle": str(file)} if way == "vehicle" else {"files": (file,)}
+    if way == "value":
+        changed = {"values": (*CHEAP.values, ("asr", "method", f"{file}:mine"))}
+    case, paths = replace(CHEAP, **changed), []
+    for text in (texts, texts + "\n# another text\n", texts):
+        file.write_text(text)
+        paths.append(kept.of("", case))
+    assert paths[0] == paths[2] != paths[1]
 
 
 def test_another_parameter_is_another_run(tmp_path: Path):

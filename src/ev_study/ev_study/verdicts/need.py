@@ -28,7 +28,7 @@ from ev_stack.recording.recording import Recording, load, save
 from ev_stack.running.folder_content import locked
 from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 from ev_study.studies.digests import NEVER_DRIVES, digest_of_sources
-from ev_study.studies.kept_rows import as_json, case_key, decoded, result_of
+from ev_study.studies.kept_rows import as_json, case_key, decoded, result_of, row_key
 from ev_study.studies.run_study import arguments, study_cases
 from ev_study.studies.study import Case, CaseResult, Measure, Results, study_named, study_names
 
@@ -141,9 +141,9 @@ _FOLDERS = 3  # those of other checkouts and branches come back
 class Kept:
     """A folder with what was driven: recordings of scenarios, and what studies have measured.
 
-    Files stand under a digest of all sources, configuration files and versions of packages they depend on. What was
-    kept of other sources is removed, but for that which was asked for last, and that which another command uses: it is
-    locked as long as that and its workers live.
+    Files stand under a digest of all sources, configuration files and versions of packages they depend on, and are
+    named by the content of their run. What was kept of other sources is removed, but for that which was asked for
+    last, and that which another command uses: it is locked as long as that and its workers live.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -161,8 +161,25 @@ class Kept:
                     other.rmdir()  # what we have not written stays
 
     def of(self, study: str, case: Case) -> Path:
-        """Where what a study has measured on a case is or has to be written; the signals of a case without a study."""
-        return self._folder / (f"{study}_{case_key(case)}.json" if study else f"{case_key(case)}.npz")
+        """Where what a study has measured on a case is or has to be written; the signals of a case without a study.
+
+        Where the case may name a file, its name is not enough: then the run is made, and the texts of all files count
+        that it reads. Else these stand in the config folders, whose texts count for all.
+        """
+        key = case_key(case)
+        given = case.scenario, case.vehicle, case.files, tuple(value for _, _, value in case.values)
+        if any(set("./").intersection(text) for text in _texts(given)):
+            with suppress(ValueError):  # the case is refused, as it will be when it is driven
+                key = row_key(study, case)
+        return self._folder / (f"{study}_{key}.json" if study else f"{key}.npz")
+
+
+def _texts(of: Any) -> Iterator[str]:
+    """The texts in some values, and names of files."""
+    if isinstance(of, str | Path):
+        yield str(of)
+    for each in of if isinstance(of, tuple | list) else ():
+        yield from _texts(each)
 
 
 def kept_by_user() -> Kept:
@@ -206,11 +223,12 @@ def drive(needs: Iterable[Need], kept: Kept, drive_cases: Drive) -> dict[Need, D
     ParameterError if a scenario or study is refused, RunFailed if a run of a scenario cannot be driven.
     """
     wanted = {need: _resolved(need) for need in dict.fromkeys(needs)}
+    paths: dict[Need, list[Path]] = {}
     jobs: dict[Path, tuple[Case, Measure]] = {}
     for need, (cases, _) in wanted.items():
         study = need.study if isinstance(need, StudyNeed) else ""
-        for case in cases:
-            path = kept.of(study, case)
+        paths[need] = [kept.of(study, case) for case in cases]
+        for case, path in zip(cases, paths[need], strict=True):
             if study and _measured_at(path, case.name) is None:
                 jobs[path] = case, partial(keep_measured, path, study_named(study).measure)
             elif not (study or is_zipfile(path)):  # nor is it where a crash has cut it off
@@ -222,7 +240,7 @@ def drive(needs: Iterable[Need], kept: Kept, drive_cases: Drive) -> dict[Need, D
             raise RunFailed(f"{result.name}: {result.refused}")
         if result.refused:
             _keep(result, path)
-    return {need: _driven(need, kept, *resolved) for need, resolved in wanted.items()}
+    return {need: _driven(need, paths[need], *resolved) for need, resolved in wanted.items()}
 
 
 def cases_of(need: Need) -> list[Case]:
@@ -241,12 +259,13 @@ def _resolved(need: Need) -> tuple[list[Case], Mapping[str, Configuration]]:
     return cases, runs[0].configurations
 
 
-def _driven(need: Need, kept: Kept, cases: Sequence[Case], first: Mapping[str, Configuration]) -> Driven:
+def _driven(need: Need, paths: Sequence[Path], cases: Sequence[Case], first: Mapping[str, Configuration]) -> Driven:
+    at = list(zip(cases, paths, strict=True))
     if isinstance(need, StudyNeed):
-        results = {case.name: _measured_at(kept.of(need.study, case), case.name) for case in cases}
+        results = {case.name: _measured_at(path, case.name) for case, path in at}
         return StudyCases(results, arguments(need.study, need.options))
     parameters = {role: configuration.values() for role, configuration in first.items()}
-    recordings = _Recordings({case.run: kept.of("", case) for case in cases})
+    recordings = _Recordings({case.run: path for case, path in at})
     return ScenarioRuns(recordings, first[MASTER].common.vehicle, parameters)
 
 
