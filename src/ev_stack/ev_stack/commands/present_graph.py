@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TypeVar
 
 import rclpy
 from rclpy.node import Node
@@ -20,9 +21,10 @@ from ev_nodes.stepping.signal_io import NAMELESS
 from ev_stack.recording.outcome import RunFailed
 from ev_stack.running.domain import free_domain, reserved_domains
 
-_STABLE = 0.5  # s in which no node has come or gone, after which the graph is taken as complete
-_PATIENCE = 4.0  # s for the first node to be found, which takes up to 3 s by the middleware's own discovery
+_STABLE = 0.5  # s in which no node has come or gone, after which a look into the graph begins
+_PATIENCE = 4.0  # s for a node to be found, which takes up to 3 s by the middleware's own discovery
 _GLANCE = 0.02  # s
+Found = TypeVar("Found")
 
 
 def full_names(node: Node) -> list[str]:
@@ -76,6 +78,24 @@ def _found(node: Node) -> bool:
         time.sleep(_GLANCE)
 
 
+def awaited(node: Node, look: Callable[[], Found]) -> Found:
+    """What a look into the graph finds; its LookupError where no node has come or gone for as long as one may take.
+
+    On a busy machine some nodes are found long before the rest, which may be what is looked for.
+    """
+    changed, before = time.monotonic(), None
+    while True:
+        try:
+            return look()
+        except LookupError:
+            now, found = time.monotonic(), full_names(node)
+            if found != before:
+                before, changed = found, now
+            if now - changed > _PATIENCE:
+                raise
+        time.sleep(_GLANCE)
+
+
 _ROS_OWN = ("/parameter_events", "/rosout")
 
 
@@ -94,13 +114,17 @@ def _type_by_contract(name: str) -> str | None:
 
 def type_of(node: Node, name: str) -> str:
     """The type of a topic; LookupError if there is no such topic, or if it has several that are none of ours."""
+    first, *others = awaited(node, lambda: _types_now(node, name))
+    if others and first != _type_by_contract(name):
+        raise LookupError(f"{name} has several types, expected one: {', '.join((first, *others))}")
+    return first
+
+
+def _types_now(node: Node, name: str) -> list[str]:
     there = topics_of(node)
     if name not in there:
         raise LookupError(f"no topic {quoted(name)}; known: {', '.join(there) or 'none'}")
-    first, *others = there[name]
-    if others and first != _type_by_contract(name):
-        raise LookupError(f"{name} has several types, expected one: {', '.join(there[name])}")
-    return first
+    return there[name]
 
 
 def quality_of(node: Node, name: str, depth: int) -> QoSProfile:
@@ -116,6 +140,10 @@ def quality_of(node: Node, name: str, depth: int) -> QoSProfile:
 
 def master_namespace(node: Node, wanted: str | None) -> str:
     """The namespace of the master of time, the wanted one where there is one; LookupError if there is not just one."""
+    return awaited(node, lambda: _master_now(node, wanted))
+
+
+def _master_now(node: Node, wanted: str | None) -> str:
     ending = f"/{MASTER}"
     spaces = [each.removesuffix(ending) or "/" for each in full_names(node) if each.endswith(ending)]
     if wanted is not None:

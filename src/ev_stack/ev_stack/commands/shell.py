@@ -27,7 +27,7 @@ from ev_msgs_py.wire import message_class
 from ev_nodes.stepping import ros_parameters
 from ev_stack.command_line.refusal import Parser, refuse
 from ev_stack.commands.parameter_text import parameter_of
-from ev_stack.commands.present_graph import full_names, in_the_graph, master_namespace, quality_of, type_of
+from ev_stack.commands.present_graph import awaited, full_names, in_the_graph, master_namespace, quality_of, type_of
 from ev_stack.recording.outcome import RunFailed
 
 _NAME = "ev_stack_shell"
@@ -82,9 +82,13 @@ class Shell:
     def present(self, name: str) -> str:
         """The full name of a node; LookupError if it is not in the graph."""
         name = self.full_name(name)
-        if name not in (there := full_names(self.node)):
-            raise LookupError(f"no node {quoted(name)}; there are {', '.join(there)}")
-        return name
+
+        def look() -> str:
+            if name not in (there := full_names(self.node)):
+                raise LookupError(f"no node {quoted(name)}; there are {', '.join(there)}")
+            return name
+
+        return awaited(self.node, look)
 
     def parameters_of(self, name: str, also: str | None = None) -> tuple[AsyncParameterClient, dict[str, Parameter]]:
         """How to ask a node, and its parameters by name; of ROS's own only that one."""
