@@ -69,6 +69,12 @@ REFUSED = {
     "if s.count > 5.0: y = 3.0\n    x = y": "y may have no value here, give it one on every way: compiled it is 0",
     "for i in range(int(p.n)): y = i\n    x = y * 1.0": "y may have no value here",
     "for i in range(int(p.n)): pass\n    x = i * 1.0": "i may have no value here",
+    """match int(p.n):
+        case 9: y = 3.0
+        case 8: y = 4.0
+    x = y""": "y may have no value here",
+    "for i, y in enumerate(range(int(p.n))): pass\n    x = y * 1.0": "y may have no value here",
+    "for y in request.drive[int(p.n):]: pass\n    x = y * 1.0": "y may have no value here",
     "y += x": "y may have no value here",
     "s.spare = s.tyre": "s.spare = s.tyre may make them one record, copy its entries one by one",
     "s.tyre, s.spare = s.spare, s.tyre": "s.tyre = s.spare may make them one record",
@@ -126,7 +132,9 @@ def test_functions_of_ours_have_one_meaning():
         assert not list(unassigned(_tree(function), function)), function
     for law in laws:
         if _is_ours(law.function):
-            assert not list(wrong_lists(_tree(law.function), law.state())), law.function
+            own = [each for each in (law.function, law.outputs) if each]
+            found = wrong_lists(own, law.state(), _tree)
+            assert not [(function, what) for function, each in found.items() for what in each]
 
 
 def _tree(function: Any) -> ast.AST:
@@ -134,7 +142,28 @@ def _tree(function: Any) -> ast.AST:
 
 
 NAMES = st.sampled_from("abc")
+ROWS = [
+    "range(next(way))",
+    "range(2)",
+    "enumerate(range(next(way)))",
+    "zip([1, 2], range(next(way)))",
+    "[1, 2][next(way):]",
+    "reversed(range(next(way)))",
+    "[1]",
+    "()",
+    "range(len([1, 2][:next(way)]))",
+    "rows",
+]
+HEADS = [
+    "if next(way):",
+    "while next(way):",
+    "rows = range(next(way))\nfor b in rows:",
+    "for a in c, b:",
+    *(f"for c in {row}:" for row in ROWS),
+]
 SIMPLE = st.one_of(
+    st.builds("seen = [{} for {} in (1, 2)]".format, NAMES, NAMES),
+    st.builds("rows = {}".format, st.sampled_from([*ROWS, "[a]"])),
     st.builds("{} = 1".format, NAMES),
     st.builds("seen = {}".format, NAMES),
     st.builds("{} += 1".format, NAMES),
@@ -147,10 +176,21 @@ def _indented(lines: list[str]) -> list[str]:
 
 
 def _blocks(bodies: st.SearchStrategy[list[str]]) -> st.SearchStrategy[str]:
-    heads = st.sampled_from(["if next(way):", "while next(way):", "for c in range(next(way)):", "for c in range(2):"])
-    one = st.builds(lambda head, body: "\n".join([head, *_indented(body)]), heads, bodies)
+    one = st.builds(lambda head, body: "\n".join([head, *_indented(body)]), st.sampled_from(HEADS), bodies)
     other = st.builds(lambda body: "\n".join(["else:", *_indented(body)]), bodies)
-    return st.one_of(one, st.builds("{}\n{}".format, one, other))
+    return st.one_of(
+        one, st.builds("{}\n{}".format, one, other), st.lists(_cases(bodies), min_size=1, max_size=3).map(_matched)
+    )
+
+
+def _cases(bodies: st.SearchStrategy[list[str]]) -> st.SearchStrategy[str]:
+    heads = ["case 0:", "case 1 if a:", "case b if next(way):", "case 1 as a:", "case (0, c) | (c, 1):", "case _ if b:"]
+    return st.builds(lambda head, body: "\n".join([head, *_indented(body)]), st.sampled_from(heads), bodies)
+
+
+def _matched(cases: list[str]) -> str:
+    """A match statement, whose last case takes all if it has a 1 in it."""
+    return "\n".join(["match next(way):", *_indented(cases)])
 
 
 BODIES = st.recursive(
@@ -165,7 +205,9 @@ BODIES = st.recursive(
 def test_where_nothing_is_found_every_name_has_a_value(body, ways):
     """On all ways through a function that are tried, plain Python raises no UnboundLocalError."""
     text = "\n".join(["def function(way):", *_indented(body)])
-    space: dict[str, Any] = dict.fromkeys("abc", 1)  # for those that the function has none of its own of
+    space: dict[str, Any] = dict.fromkeys("abc", 1) | {
+        "rows": [1]
+    }  # for those that the function has none of its own of
     try:
         exec(compile(text, "<text>", "exec"), space)
     except SyntaxError:  # a break outside of a loop
@@ -174,7 +216,7 @@ def test_where_nothing_is_found_every_name_has_a_value(body, ways):
     for way in ways:
         try:
             space["function"](iter(way))
-        except UnboundLocalError:
+        except NameError:  # UnboundLocalError is one, and that of a comprehension
             assert found, text
-        except (StopIteration, RuntimeError):  # a loop that goes on and on
+        except (StopIteration, RuntimeError, TypeError):  # a loop that goes on and on, or counts with what is no number
             pass

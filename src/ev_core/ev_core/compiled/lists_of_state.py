@@ -1,65 +1,273 @@
 """Lists and records of the state where the text of a law means something else in plain Python than compiled.
 
-In plain Python an assignment binds one list or record to two names, and + and * join and repeat lists. Compiled all of
-them are numbers in a row: an assignment copies them, + and * count with them one by one.
+In plain Python an assignment binds one list or record to two names, a slice is a list of its own, and + and * join and
+repeat lists. Compiled all of them are numbers in a row: an assignment copies them, a slice is a part of them, + and *
+count with them one by one.
+
+How it works: the text of a law is followed, and that of the functions to which it hands parts of its state, with what
+each name stands for there. Twice, for what a loop leaves in a name is there when it begins anew.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+import inspect
+from collections.abc import Callable, Iterable
 from dataclasses import is_dataclass
+from types import FunctionType, ModuleType
 from typing import Any
 
-Known = Mapping[str, Any]  # what names of a function stand for in a state
+from ev_msgs_py.compilable import FUNCTIONS
+
+_ONLY_READING = ("len", "sum", "min", "max")
+_SAME_ITEMS = ("reversed", "list", "tuple")
+Found = tuple[ast.AST, str]  # where a text is wrong, and what
 
 
-def wrong_lists(tree: ast.AST, state: Any) -> Iterator[tuple[ast.stmt | ast.expr, str]]:
-    """Where the function of a tree, which calls the state `s`, does so, and why it is wrong."""
-    known = _known(tree, state)
-    for node in ast.walk(tree):
-        match node:
-            case ast.Assign(targets=targets, value=value):
-                for target in targets:
-                    for place, of in _pairs(target, value):
-                        if what := _shared(place, of, known):
-                            yield node, what
-            case ast.BinOp(left=one, right=other) | ast.AugAssign(target=one, value=other):
-                if any(isinstance(_in_state(_whole(each), known), list) for each in (one, other)):
-                    yield node, f"{ast.unparse(node)} joins lists in plain Python, write a loop over their numbers"
+def wrong_lists(
+    functions: Iterable[Any], state: Any, tree_of: Callable[[FunctionType], ast.AST]
+) -> dict[FunctionType, list[Found]]:
+    """By function, where the text of those that have a state as `s`, or that these hand parts of it to, is wrong."""
+    followed = _Followed(tree_of)
+    for function in functions:
+        followed.through(function, {"s": state})
+    return {function: list(found.values()) for function, found in followed.found.items()}
 
 
-def _known(tree: ast.AST, state: Any) -> dict[str, Any]:
-    """The state, and what other names of the function stand for in it."""
-    known = {"s": state}
-    nodes = [each for each in ast.walk(tree) if isinstance(each, ast.Assign | ast.For)]
-    for node in sorted(nodes, key=lambda each: each.lineno):
-        target = node.target if isinstance(node, ast.For) else node.targets[0]
-        found = _in_state(node.iter if isinstance(node, ast.For) else node.value, known)
-        if isinstance(node, ast.For):
-            found = found[0] if isinstance(found, list) else None
-        if isinstance(target, ast.Name) and _is_shared(found):
-            known[target.id] = found
-    return known
+class _Slice(list[Any]):
+    """Some numbers of a list of the state."""
 
 
-def _shared(place: ast.expr, value: ast.expr, known: Known) -> str:
-    """What is wrong with an assignment to a place of the state that several numbers stand in; empty if nothing is."""
-    to, of = ast.unparse(place), ast.unparse(value)
-    whole = _in_state(_whole(place), known)
-    if isinstance(place, ast.Name) or not _is_shared(whole):  # a name of its own may stand for it
-        return ""
-    if isinstance(whole, list) and not is_dataclass(whole[0]):
-        return (
-            ""
-            if _whole(place) is not place
-            else f"{to} = {of} may make them one list, numbers are copied by {to}[:] = {of}"
+class _Followed:
+    """The functions followed so far; `found` is what is wrong, by function and place."""
+
+    def __init__(self, tree_of: Callable[[FunctionType], ast.AST]) -> None:
+        self._tree_of = tree_of
+        self.marked = set(FUNCTIONS)
+        self._given: dict[tuple[Any, ...], Any] = {}  # what a function gives back, by what it was given
+        self.found: dict[FunctionType, dict[ast.AST, Found]] = {}
+
+    def through(self, function: FunctionType, known: dict[str, Any]) -> Any:
+        """What a function gives back that gets these parts of a state by name; None if it is no part."""
+        key = (function, *((name, _kind(each)) for name, each in sorted(known.items())))
+        if key not in self._given:
+            self._given[key] = None  # a function that calls itself is refused as such
+            tree = self._tree_of(function)
+            arguments = dict.fromkeys(inspect.signature(function).parameters)
+            text = _Text(self, function, {**arguments, **known})
+            for _ in range(2):
+                text.visit(tree)
+            self.found.setdefault(function, {}).update(text.found)
+            self._given[key] = text.gives
+        return self._given[key]
+
+
+class _Text(ast.NodeVisitor):
+    """One function, statement by statement; `known` is what its names stand for, None for anything but a state."""
+
+    def __init__(self, followed: _Followed, function: FunctionType, known: dict[str, Any]) -> None:
+        self._followed, self._known = followed, known
+        self._outside = (
+            function.__globals__,
+            dict(zip(function.__code__.co_freevars, function.__closure__ or (), strict=False)),
         )
-    return f"{to} = {of} may make them one record, copy its entries one by one"
+        self.gives: Any = None
+        self.found: dict[ast.AST, Found] = {}
+        self._copied: set[ast.AST] = set()  # slices that are copied, or read, at once
+
+    def _say(self, node: ast.AST, what: str) -> None:
+        self.found.setdefault(node, (node, what))
+
+    def visit_Return(self, node: ast.Return) -> None:
+        self.generic_visit(node)
+        given = None if node.value is None else self._part(node.value)
+        if isinstance(given, _Slice) and node.value not in self.found:
+            self._say(node, "a slice is given back, in plain Python that is a copy")
+            given = None
+        self.gives = self.gives if given is None else given
+
+    def visit_Assign(self, node: ast.Assign) -> None:
+        pairs = [pair for target in node.targets for pair in _pairs(target, node.value)]
+        if len(pairs) == 1 and _whole(pairs[0][0]) is not pairs[0][0]:
+            self._copied.add(node.value)
+        self.generic_visit(node)
+        for place, value in pairs:
+            if what := self._shared(place, value):
+                self._say(node, what)
+        found = self._part(node.value)
+        for target in node.targets:
+            self._bind(target, found)
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
+        if node.value is not None:
+            self.visit_Assign(ast.copy_location(ast.Assign([node.target], node.value), node))
+
+    def visit_NamedExpr(self, node: ast.NamedExpr) -> None:
+        self.generic_visit(node)
+        self._bind(node.target, self._part(node.value))
+
+    def visit_For(self, node: ast.For) -> None:
+        self._copied.add(node.iter)
+        if any(self._changes(each) for part in node.body for each in ast.walk(part)):
+            self._copied.remove(node.iter)
+        self.visit(node.iter)
+        found = self._part(node.iter)
+        self._bind(node.target, found[0] if isinstance(found, list) and found else None)
+        for each in (*node.body, *node.orelse):
+            self.visit(each)
+
+    def visit_BinOp(self, node: ast.BinOp | ast.AugAssign) -> None:
+        both = (node.target, node.value) if isinstance(node, ast.AugAssign) else (node.left, node.right)
+        if any(isinstance(self._part(_whole(each)), list) for each in both):
+            self._copied.update(both)
+            self._say(node, f"{ast.unparse(node)} joins lists in plain Python, write a loop over their numbers")
+        self.generic_visit(node)
+
+    visit_AugAssign = visit_BinOp
+
+    def visit_Compare(self, node: ast.Compare) -> None:
+        both = (node.left, *node.comparators)
+        if any(isinstance(self._part(_whole(each)), list) for each in both):
+            self._copied.update(both)
+            self._say(node, f"{ast.unparse(node)} compares lists as a whole, write a loop over their numbers")
+        self.generic_visit(node)
+
+    def visit_Call(self, node: ast.Call) -> None:
+        if isinstance(node.func, ast.Name) and node.func.id in _ONLY_READING:
+            self._copied.update(node.args)
+        given = [each for each in (*node.args, *(each.value for each in node.keywords)) if _leads_on(self._part(each))]
+        if len(given) == 1 and isinstance(self._part(node.func), FunctionType):  # and nothing else that it may change
+            self._copied.update(given)
+        self.generic_visit(node)
+        self._part(node)
+
+    def visit_Subscript(self, node: ast.Subscript) -> None:
+        if isinstance(node.ctx, ast.Store) and isinstance(self._part(node.value), _Slice):
+            self._say(node, f"{ast.unparse(node)} is written, in plain Python a slice that is handed over is a copy")
+        if isinstance(node.slice, ast.Slice) and isinstance(node.ctx, ast.Load) and node not in self._copied:
+            of = self._part(node.value)
+            if isinstance(of, list) and not _is_record(of[0]):
+                text = ast.unparse(node)
+                self._say(node, f"{text} is a list of its own in plain Python, read its numbers one by one")
+        elif isinstance(node.value, ast.Subscript):
+            self._copied.add(node.value)
+        self.generic_visit(node)
+
+    def _changes(self, node: ast.AST) -> bool:
+        """Whether a part of a loop may change numbers of a list of the state."""
+        if isinstance(node, ast.Call):
+            return any(_is_shared(self._part(each)) for each in node.args)
+        return isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store)
+
+    def _bind(self, target: ast.expr, found: Any) -> None:
+        if isinstance(target, ast.Name):
+            self._known[target.id] = found
+        elif isinstance(target, ast.Tuple | ast.List):
+            for place, each in enumerate(target.elts):
+                of = found[min(place, len(found) - 1)] if isinstance(found, tuple | list) and found else None
+                self._bind(each, of)
+
+    def _shared(self, place: ast.expr, value: ast.expr) -> str:
+        """What is wrong with an assignment to a place of the state with several numbers; empty if nothing is."""
+        to, of = ast.unparse(place), ast.unparse(value)
+        whole = self._part(_whole(place))
+        if isinstance(place, ast.Name) or not _is_shared(whole):  # a name of its own may stand for it
+            return ""
+        if isinstance(whole, list) and not _is_record(whole[0]):
+            is_whole = _whole(place) is place
+            return f"{to} = {of} may make them one list, numbers are copied by {to}[:] = {of}" if is_whole else ""
+        return f"{to} = {of} may make them one record, copy its entries one by one"
+
+    def _part(self, node: ast.expr) -> Any:
+        """What an expression such as s.ring or s.wheels[i].ring is in a state; None if it is anything else."""
+        match node:
+            case ast.Name(id=name):
+                return self._known[name] if name in self._known else self._outside_of(name)
+            case ast.Attribute(value=of, attr=name):
+                whole = self._part(of)
+                found = getattr(whole, name, None)
+                return found if _is_record(whole) or isinstance(whole, tuple) else self._reached(found)
+            case ast.Subscript(value=of, slice=place):
+                return _item(self._part(of), place)
+            case ast.NamedExpr(value=value):
+                return self._part(value)
+            case ast.IfExp(body=one, orelse=other):
+                found = self._part(one)
+                return self._part(other) if found is None else found
+            case ast.Tuple(elts=parts):
+                return tuple(map(self._part, parts))
+            case ast.List(elts=parts):
+                return [found] if parts and (found := self._part(parts[0])) is not None else None
+            case ast.Call():
+                return self._given_by(node)
+        return None
+
+    def _outside_of(self, name: str) -> Any:
+        own, inner = self._outside
+        return self._reached(inner[name].cell_contents if name in inner else own.get(name))
+
+    def _reached(self, found: Any) -> Any:
+        """What a name from outside stands for, if it has to do with a state: a module, function or named tuple."""
+        if isinstance(found, FunctionType):
+            return found if found in self._followed.marked else None
+        return found if isinstance(found, ModuleType) or _is_named_tuple(found) else None
+
+    def _given_by(self, node: ast.Call) -> Any:
+        given = [self._part(each) for each in node.args]
+        items = [each[0] if isinstance(each, list) and each else None for each in given]
+        function = self._part(node.func)
+        match node.func:
+            case ast.Name(id="enumerate") if items:
+                return [(None, items[0])]
+            case ast.Name(id="zip"):
+                return [tuple(items)]
+            case ast.Name(id=name) if name in _SAME_ITEMS and items:
+                return given[0] if _is_record(items[0]) or isinstance(items[0], tuple) else None
+        if not callable(function):
+            return None
+        by_name = {each.arg: self._part(each.value) for each in node.keywords if each.arg}
+        try:
+            if isinstance(function, type):
+                return function(*given, **by_name)
+            known = inspect.signature(function).bind(*given, **by_name).arguments
+        except TypeError:  # which Python says itself
+            return None
+        return self._followed.through(function, known) if any(map(_leads_on, known.values())) else None
+
+
+def _is_named_tuple(found: Any) -> bool:
+    return isinstance(found, type) and issubclass(found, tuple)
+
+
+def _leads_on(found: Any) -> bool:
+    """Whether a function that is given this has to do with a state."""
+    return _is_shared(found) or (any(map(_leads_on, found)) if isinstance(found, tuple) else False)
+
+
+def _item(of: Any, place: ast.expr) -> Any:
+    if isinstance(place, ast.Slice):
+        return _Slice(of) if isinstance(of, list) and of and not _is_record(of[0]) else of
+    if isinstance(of, tuple) and isinstance(place, ast.Constant) and isinstance(place.value, int):
+        return of[place.value] if -len(of) <= place.value < len(of) else None
+    return of[0] if isinstance(of, list | tuple) and of else None
+
+
+def _is_record(found: Any) -> bool:
+    return is_dataclass(found) and not isinstance(found, type)
 
 
 def _is_shared(found: Any) -> bool:
-    return isinstance(found, list) or is_dataclass(found)
+    return isinstance(found, list) or _is_record(found)
+
+
+def _kind(found: Any) -> Any:
+    """What two parts of a state have in common that mean the same for a text."""
+    match found:
+        case list():
+            return (type(found), *map(_kind, found[:1]))
+        case tuple():
+            return (type(found), *map(_kind, found))
+    return type(found) if _is_record(found) else found if callable(found) else None
 
 
 def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
@@ -73,16 +281,3 @@ def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]
 def _whole(value: ast.expr) -> ast.expr:
     """What a slice is one of; anything else as it is."""
     return value.value if isinstance(value, ast.Subscript) and isinstance(value.slice, ast.Slice) else value
-
-
-def _in_state(node: ast.expr, known: Known) -> Any:
-    """What an expression such as s.ring or s.wheels[i].ring is in a state; None if it is anything else."""
-    match node:
-        case ast.Name(id=name):
-            return known.get(name)
-        case ast.Attribute(value=of, attr=name):
-            return getattr(_in_state(of, known), name, None)
-        case ast.Subscript(value=of, slice=place) if not isinstance(place, ast.Slice):
-            each = _in_state(of, known)
-            return each[0] if isinstance(each, list) and each else None
-    return None

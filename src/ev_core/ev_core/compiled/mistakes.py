@@ -100,12 +100,11 @@ def needs_python(method: Method, functions: Iterable[FunctionType], error: BaseE
 def wrong_text(method: Method, functions: Iterable[FunctionType]) -> str:
     """One line about the first of these functions that would do something else compiled; empty if there is none."""
     law = law_of(method)
-    marked = set(FUNCTIONS)
+    marked, own = set(FUNCTIONS), [each for each in (law.function, law.outputs) if each in FUNCTIONS]
+    of_state = wrong_lists(own, law.state(), _tree)
     for function in filter(marked.__contains__, functions):
-        own = function in (law.function, law.outputs)
-        found = _wrong(function, tuple(inspect.signature(function).parameters) if own else ())
-        of_state = wrong_lists(_tree(function), law.state()) if own else ()
-        for node, what in (*found, *of_state, *unassigned(_tree(function), function)):
+        found = _wrong(function, tuple(inspect.signature(function).parameters) if function in own else ())
+        for node, what in (*found, *of_state.get(function, ()), *unassigned(_tree(function), function)):
             file, line = beginning(function)
             return line_about(method, file, line + node.lineno - 1, what)
     return ""

@@ -31,7 +31,8 @@ class _Flow:
 
     def __init__(self, defined: ast.FunctionDef, constants: dict[str, Any]) -> None:
         self._constants = constants
-        self._own = _bound(defined.body) - _of_comprehensions(defined)
+        self._own = _bound(defined.body)
+        self._iterables = _iterables(defined)
         self._breaks: list[list[Names]] = []
         self._continues: list[list[Names]] = []
         self.found: list[ast.Name] = []
@@ -69,11 +70,28 @@ class _Flow:
             case ast.For(target=target, iter=iterated):
                 have = self._read(iterated, have)
                 return self._around(node, have | _bound([target]), None if self._runs(iterated) else have)
+            case ast.Match(subject=subject, cases=cases):
+                return self._matched(cases, self._read(subject, have))
             case ast.AnnAssign(value=None):
                 return have
         if not hasattr(node, "body"):  # else it is refused as such, or its own text is not followed
             self._read(node, have)
         return have | _bound([node])
+
+    def _matched(self, cases: Iterable[ast.match_case], have: Names) -> Names | None:
+        """Behind some cases, of which one or none is that of the subject."""
+        behind: Names | None = None
+        tried: Names | None = have
+        for case in cases:
+            if tried is None:
+                break  # the one before takes all
+            self._read(case.pattern, tried)
+            within = tried | _named(case.pattern)
+            within = within if case.guard is None else self._read(case.guard, within)
+            behind = _on_both(behind, self._through(case.body, within))
+            takes_all = isinstance(case.pattern, ast.MatchAs) and case.pattern.pattern is None and case.guard is None
+            tried = None if takes_all else tried
+        return _on_both(behind, tried)
 
     def _around(self, loop: ast.For | ast.While, within: Names, without: Names | None) -> Names | None:
         """Behind a loop whose body begins with the names `within`; `without` are those where it does not run at all."""
@@ -91,10 +109,10 @@ class _Flow:
         return behind
 
     def _runs(self, iterated: ast.expr) -> bool:
-        """Whether a loop runs once at least: over something else than a range, which has its length by declaration."""
+        """Whether a loop runs once at least: but for ranges and slices all has its length by declaration."""
         match iterated:
-            case ast.Call(func=ast.Name(id="range"), args=[ast.Call(func=ast.Name(id="len"))]):
-                return True
+            case ast.Call(func=ast.Name(id="range"), args=[ast.Call(func=ast.Name(id="len"), args=[of])]):
+                return self._runs(of)
             case ast.Call(func=ast.Name(id="range"), args=args):
                 if any(isinstance(each, ast.Call) for arg in args for each in ast.walk(arg)):
                     return False
@@ -103,12 +121,28 @@ class _Flow:
                     return len(range(*eval(text, dict(self._constants)))) > 0
                 except Exception:  # it depends on what the function is given
                     return False
-        return True
+            case ast.Call(args=args):  # enumerate, zip, reversed and the like, or a function of one's own
+                return all(map(self._runs, args))
+            case ast.IfExp(body=one, orelse=other):
+                return self._runs(one) and self._runs(other)
+            case ast.Tuple(elts=parts) | ast.List(elts=parts):
+                return bool(parts)
+            case ast.Subscript(slice=ast.Slice()):
+                return False
+            case ast.Name(id=name) if name in self._iterables:
+                found, self._iterables[name] = self._iterables[name], None  # it may be made of itself
+                runs = found is not None and self._runs(found)
+                self._iterables[name] = found
+                return runs
+        return not isinstance(iterated, ast.ListComp | ast.GeneratorExp)
 
     def _read(self, node: ast.AST, have: Names) -> Names:
         """Look at what a statement or a part of one reads, and add what it names by :=."""
         have |= {each.target.id for each in ast.walk(node) if isinstance(each, ast.NamedExpr)}
+        hidden = {id(name) for each in ast.walk(node) for name in _of_comprehension(each)}
         for each in ast.walk(node):
+            if id(each) in hidden:
+                continue
             is_read = isinstance(each, ast.Name) and isinstance(each.ctx, ast.Load)
             if isinstance(each, ast.AugAssign):
                 each, is_read = each.target, True
@@ -119,12 +153,37 @@ class _Flow:
 
 def _bound(nodes: Iterable[ast.AST]) -> Names:
     """The names that some statements or targets give a value."""
-    found = (each for node in nodes for each in ast.walk(node))
-    return frozenset(each.id for each in found if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store))
+    found = [each for node in nodes for each in ast.walk(node)]
+    hidden = {id(name) for each in found for name in _of_comprehension(each)}
+    stored = (each for each in found if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store))
+    names = frozenset(each.id for each in stored if id(each) not in hidden)
+    return names.union(*(_named(each) for each in found if isinstance(each, ast.pattern)))
 
 
-def _of_comprehensions(tree: ast.AST) -> Names:
-    return _bound(each.target for each in ast.walk(tree) if isinstance(each, ast.comprehension))
+def _named(pattern: ast.pattern) -> Names:
+    """The names that a pattern of a case gives a value."""
+    found = ((each, "rest" if isinstance(each, ast.MatchMapping) else "name") for each in ast.walk(pattern))
+    return frozenset(name for each, kind in found if (name := getattr(each, kind, None)) is not None)
+
+
+def _of_comprehension(node: ast.AST) -> Iterator[ast.Name]:
+    """Where a comprehension names what is its own; nothing for anything else."""
+    if isinstance(node, ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp):
+        own = {each.id for of in node.generators for each in ast.walk(of.target) if isinstance(each, ast.Name)}
+        first = {id(each) for each in ast.walk(node.generators[0].iter)}  # which is read outside of it
+        for each in ast.walk(node):
+            if isinstance(each, ast.Name) and each.id in own and id(each) not in first:
+                yield each
+
+
+def _iterables(tree: ast.AST) -> dict[str, ast.expr | None]:
+    """By name, what a name of the function stands for, None if it is more than one thing, or a part of something."""
+    found: dict[str, ast.expr | None] = {}
+    single = {id(each.targets[0]): each.value for each in ast.walk(tree) if isinstance(each, ast.Assign)}
+    for each in ast.walk(tree):
+        if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store):
+            found[each.id] = None if each.id in found else single.get(id(each))
+    return found
 
 
 def _on_both(one: Names | None, other: Names | None) -> Names | None:

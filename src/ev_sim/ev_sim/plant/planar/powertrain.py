@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ev_core.law import Car, inlined
+from ev_core.law import Car, Wheels, inlined
 from ev_core.vehicle import losses
 from ev_sim.drives import driveline, electrical_side
 from ev_sim.drives.drive import advance_drive
@@ -163,7 +163,8 @@ def apply_drives(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarSta
     terminal voltage of the step before.
     """
     shaft, target, asked = step.shaft, step.target, step.asked
-    wheel_speed = s.motion[WHEEL_SPEED : WHEEL_SPEED + 4]
+    motion = s.motion
+    wheel_speed = Wheels(motion[WHEEL_SPEED], motion[WHEEL_SPEED + 1], motion[WHEEL_SPEED + 2], motion[WHEEL_SPEED + 3])
     for i in range(4):
         asked[i] = step.drive_command[i]
         if car.blend_brakes == 1.0 and car.driven[i] == 1.0 and step.brake_command[i] > 0.0:
