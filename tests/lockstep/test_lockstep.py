@@ -16,13 +16,13 @@ from toy_methods import OFFERED, begun_at, toy, toy_graph
 from ev_core.compiling.machine_code import register_functions
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import sequence
+from ev_core.lockstep.holding import HELD, HoldingInbox
 from ev_core.lockstep.inbox import (
     LAST,
     NEVER,
     NEW,
     ROWS,
     Arrival,
-    HoldingInbox,
     Inbox,
     Steps,
     judged,
@@ -563,6 +563,38 @@ def test_realtime_holds_an_input_that_is_lost_and_goes_on():
     assert feed(stepper, PERIOD, BodyVelocity) == []
     assert [answer.stamp for answer in feed(stepper, 2 * PERIOD, BodyVelocity)] == [PERIOD]
     assert [answer.stamp for answer in feed(stepper, 3 * PERIOD)] == [3 * PERIOD]
+
+
+@pytest.mark.parametrize("lost", [DriverCommand, WheelStates])
+def test_realtime_answers_to_nobody_who_is_gone(lost):
+    """Else his last torque would be said for ever, each time as a new one, and never be too old for the plant."""
+    reads = (DriverCommand, WheelStates, SteeringColumnState)
+    stepper = WatchedStepper(toy("electronic_differential", reads), may_skip=True)
+    others = [kind for kind in reads if kind is not lost]
+    feed(stepper, 0)
+    answered = [answer.stamp for n in range(1, 60) for answer in feed(stepper, n * PERIOD, *others)]
+    assert answered == [n * PERIOD for n in range(1, HELD // PERIOD + 1)]
+    assert feed(stepper, 60 * PERIOD)[-1].stamp == 60 * PERIOD
+    assert [answer.stamp for n in (61, 62) for answer in feed(stepper, n * PERIOD, *others)] == [61 * PERIOD]
+
+
+def test_realtime_goes_on_for_ever_where_it_integrates():
+    """A column keeps its wheel: it has a time of its own, and what it says is no torque of the drives."""
+    stepper = WatchedStepper(toy("steering_column", (DriverCommand, WheelStates)), may_skip=True)
+    feed(stepper, 0)
+    answered = [answer.stamp for n in range(1, 60) for answer in feed(stepper, n * PERIOD, WheelStates)]
+    assert answered == [n * PERIOD for n in range(2, 60)]
+
+
+@pytest.mark.parametrize("period", [PERIOD, HELD // 2, 2 * HELD])
+def test_realtime_holds_for_two_steps_whatever_their_period(period):
+    box = HoldingInbox((DriverCommand, WheelStates), frozenset(), period, frozenset({WheelStates}), neutral=False)
+    for kind in box.reads:
+        box.offer(kind, 0, [0.0] * shape_of(kind).size)
+    box.take(0)
+    for n in (1, 2, 3):
+        box.offer(WheelStates, n * period, [0.0] * shape_of(WheelStates).size)
+    assert box.complete() == 2 * period
 
 
 def test_realtime_hears_who_is_late_each_time():

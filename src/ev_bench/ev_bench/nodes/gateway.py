@@ -8,7 +8,7 @@ from ev_bench.inverter_gateway.panel import Commands, Panel
 from ev_bench.inverter_gateway.station import GatewayOnBus, GatewayStation
 from ev_bench.nodes.bus_nodes import BusNode, RoleOnBus
 from ev_core.lockstep.configuration import Configuration
-from ev_core.lockstep.inbox import HoldingInbox
+from ev_core.lockstep.holding import HoldingInbox
 from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_nodes.run_role import given_parameters, make_node, run_node

@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from ev_core.lockstep.graph import arrival_order, sequence, step_order, writers
+from ev_core.lockstep.holding import HoldingInbox
 from ev_core.lockstep.inbox import (
     ANSWER,
     BEFORE,
     NEVER,
     Arrival,
-    HoldingInbox,
     Inbox,
     note_answer,
     row_of,

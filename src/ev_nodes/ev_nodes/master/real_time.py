@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ev_core.lockstep.inbox import HeldInputs
+from ev_core.lockstep.holding import HeldInputs
 from ev_core.methods.register import CommonParameters
 from ev_core.parameters.declaration import setting
 from ev_msgs_py.contract import frame, stamps
