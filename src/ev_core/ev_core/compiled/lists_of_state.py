@@ -88,12 +88,12 @@ class _Text(ast.NodeVisitor):
 
     def visit_Assign(self, node: ast.Assign) -> None:
         pairs = [pair for target in node.targets for pair in _pairs(target, node.value)]
-        if len(pairs) == 1 and _whole(pairs[0][0]) is not pairs[0][0]:
+        wrong = [what for place, value in pairs if (what := self._shared(place, value))]
+        if wrong:
+            self._say(node, wrong[0])
+        if wrong or (len(pairs) == 1 and _whole(pairs[0][0]) is not pairs[0][0]):
             self._copied.add(node.value)
         self.generic_visit(node)
-        for place, value in pairs:
-            if what := self._shared(place, value):
-                self._say(node, what)
         found = self._part(node.value)
         for target in node.targets:
             self._bind(target, found)
