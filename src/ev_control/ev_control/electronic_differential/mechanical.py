@@ -29,7 +29,7 @@ def equal_torque(p: EqualTorqueParameters, car: Car, driver: DriverCommand) -> W
 @differential("open_differential", needs=(any_driven, equal_motors))
 @compilable
 def open_differential(p: EqualTorqueParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
-    """Equal torques left and right as behind a mechanical differential, whose wheels cannot get more than both grip.
+    """Equal torques left and right as behind a mechanical differential: no wheel gets more than both can grip.
 
     M_left = M_right = M_axle/2 [N m] (dissertation, section 3.2), the torques of the axles alike, none above what one
     motor has. Other than `equal_torque` the drive is one whole: what one wheel of an axle does not deliver, because of

@@ -1,4 +1,4 @@
-"""Elementary functions whose bits do not depend on the machine (docs/elementary_functions.md).
+"""Elementary functions with the same bits on every machine (docs/elementary_functions.md).
 
 The C library's sin, exp, ... round differently with and without FMA, from version to version and from system to system.
 Ours are written with additions, multiplications, divisions and square roots in a fixed order, which IEEE 754 rounds in

@@ -26,7 +26,7 @@ from ev_papers.outside_checks.cases import (
 from ev_stack.measures.metric import Metric, metric
 from ev_study.studies.study import Case, Results
 
-ABOUT = "De Novellis 2014: wrong friction told to PI and two second-order sliding modes, with and without a sideslip loop"
+ABOUT = "De Novellis 2014: wrong friction given to PI and two second-order sliding modes, with and without a sideslip loop"
 TOLD = (0.5, 0.75, 1.0, 1.25, 1.5)
 LOOPS = {
     "": "understeer",
@@ -42,7 +42,7 @@ CELLS = (
     ("front", "wet", TRUTH),
     ("rear", "wet", TRUTH),
 )
-COLUMNS = ("driven wheels", "road", "known", "law", *(f"told {told:g}" for told in TOLD))
+COLUMNS = ("driven wheels", "road", "known", "law", *(f"given {told:g}" for told in TOLD))
 HEADING = "largest sideslip angle [deg], median with its 95 % interval, and draws below 10 deg"
 LEFT = 4
 SUMS = ()

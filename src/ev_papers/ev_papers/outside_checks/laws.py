@@ -27,7 +27,7 @@ from ev_papers.outside_checks.cases import (
 from ev_stack.measures.metric import Metric, metric
 from ev_study.studies.study import Case, Results
 
-ABOUT = "Asperti 2024 and others: torque vectoring part by part on known friction, and with tyres told wrongly"
+ABOUT = "Asperti 2024 and others: torque vectoring part by part on known friction, and with wrong tyres given"
 WRONG = "wrong tyres"
 ROAD_OF = {"ramp": "dry", "step": "dry", "sine": "wet", "lane_change": "snow"}
 EVERY = (*CONTROLLERS, "pi_neutral", "pi_load", "pi_least_squares")

@@ -212,7 +212,7 @@ def planar_speed_mode(
     column: SteeringColumnState,
     speeds: WheelSpeedCommand,
 ) -> None:
-    """The planar plant whose drives control their speed, with no more than the commanded torque and never against it.
+    """The planar plant with drives that control their speed, within the commanded torque and never against it.
 
     M = K e + (K/T) integral(e) within 0..M_command, e = w* - w at the shaft, in every step of the plant; motor, its
     limits, lag and losses are those of the plant in torque mode. A set-point out of reach is torque mode, to the bit;
