@@ -1,34 +1,36 @@
-"""Measures of Ge & Ni (2005): the steady turn with equal torques, and the claimed changes by the law.
+"""Measures of Ge & Ni (2005): quantities of a turn, responses, chatter and targets of the law.
 
-Each public function measures one number of published.csv; `run` is the run of the scenario that it is measured on.
+Each public function measures one number of published.csv; `run` is the run of the scenario that it
+is measured on.
 """
 
 from __future__ import annotations
 
 from ev_papers.ge_ni2005 import paper, quantities
-from ev_papers.ge_ni2005.quantities import QUANTITIES, response_time, slip
+from ev_papers.ge_ni2005.quantities import QUANTITIES, slip
 from ev_stack.measures import motion
 from ev_stack.measures.metric import channel, run_named
 from ev_study.verdicts.need import ScenarioRuns, StudyCases
 
 BASELINE = "equal_torque"
-# A boundary layer as wide as any slip: what the reading `offset` adds to T* is k D, which gives the target.
+# Width of the boundary layer beyond any slip [1]: there the reading `offset` adds k D to T*, which
+# gives the target slip.
 WIDE = 1.0
 OUTER_GAIN = 100.0  # k_R [N m]
 
 
 def quantity(driven: ScenarioRuns, name: str, run: str) -> float:
     """One of the QUANTITIES of a turn, in its unit."""
-    return QUANTITIES[name][1](run_named(driven.runs, run))
+    return QUANTITIES[name].of(run_named(driven.runs, run))
 
 
 def studied(driven: StudyCases, quantity: str, case: str) -> float:
-    """A quantity of ge_ni2005_wheel_speeds, of a case with `_` for each space of its name, in its unit."""
+    """Quantity of a case of ge_ni2005_wheel_speeds; `_` stands for each space of its name."""
     return float(driven.results[case.replace("_", " ")].measured[quantity])
 
 
 def slips_apart(driven: StudyCases, case: str) -> float:
-    """Difference of the slips of both rear wheels there in the end [1]."""
+    """Difference of the slips of both rear wheels in the end of a case [1]."""
     return studied(driven, "slip_left", case) - studied(driven, "slip_right", case)
 
 
@@ -39,7 +41,8 @@ def time_to_own_yaw_rate(driven: ScenarioRuns, run: str) -> float:
 
 def time_to_that_of_equal_torques(driven: ScenarioRuns, run: str) -> float:
     """Time to 90 % of the yaw rate that equal torques reach [s]."""
-    return response_time(run_named(driven.runs, run), quantity(driven, "yaw_rate", BASELINE))
+    final = quantities.yaw_rate(run_named(driven.runs, BASELINE))
+    return quantities.response_time(run_named(driven.runs, run), final)
 
 
 def chatter(driven: ScenarioRuns, run: str, target: float) -> float:
@@ -48,21 +51,25 @@ def chatter(driven: ScenarioRuns, run: str, target: float) -> float:
 
 
 def slip_over_target(driven: ScenarioRuns, side: str, run: str) -> float:
-    """Slip of a rear wheel in the end over its target, l3* inside and l4* = l3* - K1 (w - delta u/L) outside [1]."""
+    """Slip of a rear wheel in the end over its target [1].
+
+    The target is l3* inside and l4* = l3* - K1 (w - delta u/L) outside (eq 6).
+    """
     recording = run_named(driven.runs, run)
-    yaw_rate = motion.value_at(recording, channel(recording, motion.YAW_RATE), paper.INSTANT)
-    outside = paper.YAW_GAIN * (yaw_rate - paper.STEERING * paper.SPEED / paper.WHEELBASE)
-    target = paper.TARGET - (outside if side == "right" else 0.0)
+    target = paper.TARGET
+    if side == "right":
+        neutral = paper.STEERING * paper.SPEED / paper.WHEELBASE
+        target -= paper.YAW_GAIN * (quantities.yaw_rate(recording) - neutral)
     return motion.value_at(recording, slip(recording, side), paper.INSTANT) / target
 
 
 def outer_target(driven: ScenarioRuns) -> float:
-    """The law's target slip of the outer wheel when the wheels have just been turned [1]."""
+    """Target slip of the outer wheel when the wheels have just been turned [1]."""
     run = run_named(driven.runs, "offset")
     added = channel(run, "torque_request.drive.rear_right")[0] - paper.TORQUE
     return float(slip(run, "right")[0] + added * WIDE / OUTER_GAIN)
 
 
 def change_of_target(driven: ScenarioRuns) -> float:
-    """How far the printed target lies above that [1]."""
+    """Printed target slip less that [1]."""
     return paper.TARGET - outer_target(driven)

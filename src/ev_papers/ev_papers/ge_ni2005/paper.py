@@ -1,8 +1,9 @@
-"""What follows from the equations of Ge & Ni (2005) with their parameters.
+"""Numbers that follow from the equations of Ge & Ni (2005) with their parameters.
 
-Ge Yinghui, Ni Guangzheng, "A novel electronic differential algorithm for in-wheel motor driven EV" (in Chinese),
-Automotive Engineering 27 (2005) 3. The parameters are written down here once more instead of being taken from the run,
-so that a run with other parameters is judged against the paper all the same.
+Ge Yinghui, Ni Guangzheng, "A novel electronic differential algorithm for in-wheel motor driven EV"
+(in Chinese), Automotive Engineering 27 (2005) 3. The parameters are written down here once more
+instead of being taken from the run, so that a run with other parameters is judged against the paper
+all the same.
 """
 
 from __future__ import annotations
@@ -48,44 +49,48 @@ class SteadyTurn:
 
 
 def steady_turn(rear_steering: float = 0.0) -> SteadyTurn:
-    """Where eqs 1 and 2 come to rest with equal torques (X_3 = X_4), angles small, u held.
+    """Motion in which eqs 1 and 2 come to rest: equal torques (X_3 = X_4), angles small, u held.
 
-    Force and moment balance give w = (delta_f - delta_r') u/(L + K u^2) with K = m (b/C_f - a/C_r)/L, and the slip
-    angle of the rear axle v = b w + delta_r' u - m a u^2 w/(C_r L). Turned rear wheels [rad] push sideways by
-    F_x delta_r as well, as if they were turned by delta_r' = delta_r (1 + F_x/C_r) (eq 3).
+    Force and moment balance give w = (delta_f - delta_r') u/(L + K u^2) with
+    K = m (b/C_f - a/C_r)/L, and the slip angle of the rear axle
+    v = b w + delta_r' u - m a u^2 w/(C_r L). Turned rear wheels [rad] push sideways by F_x delta_r
+    as well, as if they were turned by delta_r' = delta_r (1 + F_x/C_r) (eq 3).
     """
     gradient = MASS * (REAR_ARM / FRONT_STIFFNESS - FRONT_ARM / REAR_STIFFNESS) / WHEELBASE
     rear = rear_steering * (1.0 + 2.0 * TORQUE / RADIUS / REAR_STIFFNESS)
     yaw_rate = (STEERING - rear) * SPEED / (WHEELBASE + gradient * SPEED**2)
-    lateral = (
-        REAR_ARM * yaw_rate
-        + rear * SPEED
-        - MASS * FRONT_ARM * SPEED**2 * yaw_rate / (REAR_STIFFNESS * WHEELBASE)
-    )
+    slipping = MASS * FRONT_ARM * SPEED**2 * yaw_rate / (REAR_STIFFNESS * WHEELBASE)
+    lateral = REAR_ARM * yaw_rate + rear * SPEED - slipping
     speed = math.hypot(SPEED, lateral)
     return SteadyTurn(
-        yaw_rate, math.atan2(lateral, SPEED), lateral, speed / yaw_rate, speed * yaw_rate
+        yaw_rate=yaw_rate,
+        sideslip=math.atan2(lateral, SPEED),
+        lateral_speed=lateral,
+        radius=speed / yaw_rate,
+        centripetal_acceleration=speed * yaw_rate,
     )
 
 
 def rear_loads() -> tuple[float, float]:
-    """N_3 and N_4 [N] of the steady turn, a/(2L) (m g -+ 2 h F_c/B) with F_c = m V w."""
-    moved = FRONT_ARM / WHEELBASE * HEIGHT * MASS * steady_turn().centripetal_acceleration / TRACK
+    """N_3 and N_4 of the steady turn, a/(2L) (m g -+ 2 h F_c/B) with F_c = m V w [N]."""
+    acceleration = steady_turn().centripetal_acceleration
+    moved = FRONT_ARM / WHEELBASE * HEIGHT * MASS * acceleration / TRACK
     return REAR_LOAD - moved, REAR_LOAD + moved
 
 
 def rear_speeds() -> tuple[float, float]:
-    """V_3 and V_4 [m/s] of the steady turn: speeds of the wheel centres along the wheels, u -+ B w/2."""
+    """V_3 and V_4 of the steady turn, of the wheel centres along the wheels, u -+ B w/2 [m/s]."""
     side = TRACK * steady_turn().yaw_rate / 2
     return SPEED - side, SPEED + side
 
 
 def friction(slip: Slip) -> Slip:
-    """The printed fit 2 mu_p l_p l/(l^2 + l_p^2) [1], of a slip or of samples (n,)."""
+    """Printed fit of the friction to a slip or to samples (n,), 2 mu_p l_p l/(l^2 + l_p^2) [1]."""
     return 2 * PEAK * PEAK_SLIP * slip / (slip**2 + PEAK_SLIP**2)
 
 
 def slip_of(load: float, torque: float = TORQUE) -> float:
-    """The slip [1] below the peak at which a wheel with this load [N] takes a torque [N m] in steady running."""
+    """Slip below the peak at which a wheel with a load [N] takes a torque [N m] steadily [1]."""
+    # The smaller root of the printed fit; the larger one lies beyond the peak.
     use = torque / (RADIUS * load)
     return PEAK_SLIP * (PEAK - math.sqrt(PEAK**2 - use**2)) / use

@@ -1,4 +1,4 @@
-"""Chatter of the torques of Ge & Ni (2005) by control period, with the boundary layer of eqs 9 and 10."""
+"""Chatter of the torques of Ge & Ni (2005) by control period, with the layer of eqs 9 and 10."""
 
 from __future__ import annotations
 
@@ -12,21 +12,25 @@ from ev_stack.recording.recording import Recording
 from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, Results
 
-ABOUT = "Ge & Ni 2005: chatter of the torques with boundary layer by control period, for two readings of eq 8"
+ABOUT = (
+    "Ge & Ni 2005: chatter of the torques with boundary layer by control period, "
+    "for two readings of eq 8"
+)
 SCENARIO = "ge_ni2005"
 PERIODS = (0.0005, 0.001, 0.005, 0.01)  # [s]
-COMPARED = ("increment", "offset_lower_target")  # those whose slips come to their target
+COMPARED = ("increment", "offset_lower_target")  # runs with slips that come to their target
 COLUMNS = ("control period [ms]", *(f"chatter of `{run}` [N m/s]" for run in COMPARED))
 LEFT = 0
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every run at every period, as on the page docs/ge_ni2005.md."""
-    return [
-        Case(name_of(run, period), SCENARIO, (("*", "control_period", period),), run)
-        for period in PERIODS
-        for run in COMPARED
-    ]
+    found = []
+    for period in PERIODS:
+        for run in COMPARED:
+            values = (("*", "control_period", period),)
+            found.append(Case(name_of(run, period), SCENARIO, values, run))
+    return found
 
 
 def name_of(run: str, period: float) -> str:
@@ -40,21 +44,21 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
-    """The largest chatter of each run over all periods."""
-    return {
-        f"chatter_{run}": metric(
-            lambda r=run: max(_chatter(results, r, period) for period in PERIODS), "N m/s"
-        )
-        for run in COMPARED
-    }
+    """Largest chatter of each run over all periods."""
+
+    def largest(run: str) -> float:
+        return max(_chatter(results, run, period) for period in PERIODS)
+
+    return {f"chatter_{run}": metric(lambda run=run: largest(run), "N m/s") for run in COMPARED}
 
 
 def rows(given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
     """One row for each period."""
-    return [
-        (f"{1e3 * period:g}", *(f"{_chatter(results, run, period):.3g}" for run in COMPARED))
-        for period in PERIODS
-    ]
+    found = []
+    for period in PERIODS:
+        numbers = (f"{_chatter(results, run, period):.3g}" for run in COMPARED)
+        found.append((f"{1e3 * period:g}", *numbers))
+    return found
 
 
 def _chatter(results: Results, run: str, period: float) -> float:

@@ -1,4 +1,8 @@
-"""Wheel-speed control beside the slip targets of Ge & Ni (2005): their arguments against it, in their runs."""
+"""Wheel-speed control beside the slip targets of Ge & Ni (2005): their arguments against it.
+
+Every control drives the source's turn and straight run, with a wheel that is smaller, with more
+torque than the road takes, on a slippery road, and with ice under the left wheels.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from ev_papers.ge_ni2005.quantities import QUANTITIES, SIDES, slip
+from ev_papers.ge_ni2005.quantities import chatter, slip, yaw_rate
 from ev_stack.measures.metric import Metric, channel
 from ev_stack.recording.recording import Recording
 from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, Results, metrics_of_cases, rows_of_cases
 
-ABOUT = "Ge & Ni 2005: wheel speeds after Ackermann beside slip targets and equal torques - turn, wheel radius, road"
+ABOUT = (
+    "Ge & Ni 2005: wheel speeds after Ackermann beside slip targets and equal torques "
+    "- turn, wheel radius, road"
+)
 SCENARIO = "ge_ni2005"
 UNITS = {
     "yaw_rate": "rad/s",
@@ -27,36 +34,41 @@ UNITS = {
 COLUMNS = ("run", "control", *(f"{name} [{unit}]" for name, unit in UNITS.items()))
 LEFT = 2
 
+Values = tuple[tuple[str, str, Any], ...]
 _LAW = "electronic_differential"
-_SPEEDS = (_LAW, "method", "wheel_speed")
-_CONTROLS: dict[str, tuple] = {
+_BY_SPEEDS = (_LAW, "method", "wheel_speed")
+_CONTROLS: Mapping[str, Values] = {
     "equal torques": ((_LAW, "method", "equal_torque"),),
-    "speed difference": (_SPEEDS,),
-    "both speeds": (_SPEEDS, (_LAW, "mean", "speed")),
-    **{
-        f"slip, {reading}": ((_LAW, "reading", reading),)
-        for reading in ("rate", "offset", "increment")
-    },
+    "speed difference": (_BY_SPEEDS,),
+    "both speeds": (_BY_SPEEDS, (_LAW, "mean", "speed")),
+    "slip, rate": ((_LAW, "reading", "rate"),),
+    "slip, offset": ((_LAW, "reading", "offset"),),
+    "slip, increment": ((_LAW, "reading", "increment"),),
 }
-_STRAIGHT = (("steering_column", "profile.angle", (0.0,)),)
-_LEFT_SMALLER = (("*", "vehicle.wheel_radius_ratio", (1.0, 1.0, 0.99, 1.0)),)
-_SLIPPERY = (
+_STRAIGHT: Values = (("steering_column", "profile.angle", (0.0,)),)
+_LEFT_SMALLER: Values = (("*", "vehicle.wheel_radius_ratio", (1.0, 1.0, 0.99, 1.0)),)
+_SLIPPERY: Values = (
     ("*", "vehicle.tyre.coefficients", (0.4, 0.1, 0.0, 0.0)),  # half the friction at half the slip
     ("plant", "initial_drive_torque", (0.0, 0.0, 600.0, 600.0)),
 )
-_SPLIT = (
+_SPLIT: Values = (
     ("*", "vehicle.tyre.curve", "burckhardt"),  # whose friction is the surface's
     ("plant", "road.left", ("ice",)),
     ("plant", "initial_drive_torque", (0.0, 0.0, 50.0, 50.0)),
 )
 
 
-def _pedal(torque: float) -> tuple:
+_FREE = "rate_free_speed"
+_FULL_FREE = "rate_full_car_free_speed"
+
+
+def _pedal(torque: float) -> Values:
+    """A torque for each rear wheel [N m]."""
     return (("driver", "pedals.drive_torque", (2.0 * torque,)),)
 
 
-_FREE, _FULL_FREE = "rate_free_speed", "rate_full_car_free_speed"
-_RUNS: dict[str, tuple[str, tuple]] = {
+# By name the run of the scenario, and what differs from it.
+_RUNS: Mapping[str, tuple[str, Values]] = {
     "turn": ("rate", ()),
     "turn, u free": (_FREE, ()),
     "turn, full car, u free": (_FULL_FREE, ()),
@@ -72,23 +84,24 @@ _RUNS: dict[str, tuple[str, tuple]] = {
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every control in every run, as on the page docs/ge_ni2005.md."""
-    return [
-        Case(f"{name}: {control}", SCENARIO, (*changed, *values), run)
-        for name, (run, changed) in _RUNS.items()
-        for control, values in _CONTROLS.items()
-    ]
+    found = []
+    for name, (run, changed) in _RUNS.items():
+        for control, values in _CONTROLS.items():
+            found.append(Case(f"{name}: {control}", SCENARIO, (*changed, *values), run))
+    return found
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """UNITS at 3 s: yaw rate, where the car is, slips; the largest slip so far, and the chatter of the last second."""
-    slips = [slip(recording, side) for side in SIDES]
+    """Quantities of UNITS: those of motion and slip in the end, the largest slip, the chatter."""
+    left = slip(recording, "left")
+    right = slip(recording, "right")
     return {
-        "yaw_rate": QUANTITIES["yaw_rate"][1](recording),
+        "yaw_rate": yaw_rate(recording),
         "aside": float(channel(recording, "pose.y")[-1]),
-        "slip_left": float(slips[0][-1]),
-        "slip_right": float(slips[1][-1]),
-        "peak_slip": float(np.abs(slips).max()),
-        "chatter": QUANTITIES["chatter"][1](recording),
+        "slip_left": float(left[-1]),
+        "slip_right": float(right[-1]),
+        "peak_slip": float(np.abs([left, right]).max()),
+        "chatter": chatter(recording),
     }
 
 
