@@ -10,7 +10,7 @@ from ros_graph import graph
 from source_runs import differing, driven, metrics_of, mirrored, value
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_papers.zhileykin2018.grid import turn_arounds
+from ev_papers.zhileykin2018.shares import turn_arounds
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import load, signal_hash
 from ev_stack.scenarios.scenario import Overrides, Run, load_scenario

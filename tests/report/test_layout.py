@@ -71,14 +71,14 @@ def with_faults() -> dict[str, Sheet]:
     return faults.figures(given, results_of([case.name for case in faults.cases(given)], lambda n: measured))
 
 
-def who_spins() -> dict[str, Sheet]:
+def largest_sideslip() -> dict[str, Sheet]:
     names = [
         grid.name_of(control, force, angle) for control in grid.SWEPT for force in grid.FORCES for angle in grid.ANGLES
     ]
     (sheet,) = zhileykin2018_sweep.figures(
         Namespace(), results_of(names, lambda n: {"peak_sideslip": 0.01 * (n % 300)})
     ).values()
-    return {"who_spins": replace(sheet, panels=sheet.panels[:2])}
+    return {"sideslip": replace(sheet, panels=sheet.panels[:2])}
 
 
 def efficiencies() -> dict[str, Sheet]:
@@ -112,7 +112,7 @@ STUDIES = {
     "sweep of two": lambda: swept(2),
     "asr_shootout": shootout,
     "faults": with_faults,
-    "zhileykin2018_sweep": who_spins,
+    "zhileykin2018_sweep": largest_sideslip,
     "five_methods": efficiencies,
     "timing": timing,
     "long words": long_words,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ev_papers.zhileykin2018.grid import deviation_from_circle
+from ev_papers.zhileykin2018.paths import deviation_from_circle
 from ev_stack.measures.metric import NotMeasured
 from ev_stack.recording.recording import Recording
 

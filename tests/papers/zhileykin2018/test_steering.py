@@ -28,7 +28,7 @@ def test_every_control_with_both_steerings():
 
 def test_both_hold_where_neither_alone_does():
     """3500 N and 7 deg: rear drive with steering and the law with k = 0.5 alone lose the car, together they hold it."""
-    limit = steering.LIMIT
+    limit = grid.LIMIT
     assert sideslip("rear_drive", 3500.0, 7, "added") > limit
     assert sideslip("k05", 3500.0, 7, "hands") > limit
     assert sideslip("k05", 3500.0, 7, "added") < limit
@@ -36,4 +36,4 @@ def test_both_hold_where_neither_alone_does():
 
 def test_the_one_case_that_the_law_loses_with_k_1_is_held():
     """3500 N and 8 deg."""
-    assert sideslip("k1", 3500.0, 8, "hands") > steering.LIMIT > sideslip("k1", 3500.0, 8, "added")
+    assert sideslip("k1", 3500.0, 8, "hands") > grid.LIMIT > sideslip("k1", 3500.0, 8, "added")

@@ -134,4 +134,4 @@ def test_heat_maps_have_one_field_for_each_case():
     results = {case.name: CaseResult(case.name, {"peak_sideslip": 0.1, **CALM}) for case in cases}
     assert grid.of_all(results, "k1").shape == (len(grid.FORCES), len(grid.ANGLES))
     assert np.isclose(grid.of_all(results, "k1"), 0.1).all()
-    assert set(sweep.figures(Namespace(), results)) == {"who_spins"}
+    assert set(sweep.figures(Namespace(), results)) == {"sideslip"}

@@ -1,10 +1,10 @@
-"""Zhileykin & Eranosyan (2018), figs 3 to 5: who spins on the way into a bend on ice with snow.
+"""Zhileykin & Eranosyan (2018), figs 3 to 5: which cars spin on the way into a bend on ice.
 
-Runs: `rear_drive` with an open differential, the 4x4 by the law with `k05`, `k1` and, with eq 4 as an equality,
-`equality`, `fixed_split` with a half for each axle, and `k1_estimated`, where the law observes the slip angles instead
-of knowing them.
+Runs: `rear_drive` with an open differential, the 4x4 by the law with `k05`, `k1` and, with eq 4 as
+an equality, `equality`, `fixed_split` with a half for each axle, and `k1_estimated`, where the law
+observes the slip angles instead of knowing them.
 
-A source has its place ORDER, the functions MEASURES that measure the numbers of published.csv, and its PANELS.
+A source has its place ORDER, its PANELS, and in MEASURES the functions that published.csv names.
 """
 
 from __future__ import annotations
@@ -12,16 +12,9 @@ from __future__ import annotations
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_papers.zhileykin2018 import measures
-from ev_papers.zhileykin2018.grid import (
-    BY_LAW,
-    LIMIT,
-    REAR_DRIVE,
-    SCENARIO,
-    SHARES,
-    SWING,
-    turn_arounds,
-)
+from ev_papers.zhileykin2018 import equations, measures
+from ev_papers.zhileykin2018.grid import BY_LAW, LIMIT, REAR_DRIVE, SCENARIO
+from ev_papers.zhileykin2018.shares import SHARES, SWING, turn_arounds
 from ev_stack.figures.other_axes import plan_view
 from ev_stack.figures.panels import Curve, Panel, motion_panels, over_time, readable
 from ev_stack.figures.sheets import Sheet
@@ -36,47 +29,62 @@ from ev_study.verdicts.panels_page import PublishedPanel, scheme
 from ev_study.verdicts.panels_page import over_time as drawn_over_time
 from ev_study.verdicts.verdict import metrics_at_hand
 
+ORDER = 4  # among the sources, in tables
+MEASURES = measures_of(measures, equations)
 PEAK_SIDESLIP = METRICS["peak_sideslip"].formula
 ESTIMATED = "k1_estimated"  # observes the slip angles instead of knowing them
+_BEND = (ScenarioNeed("zhileykin2018"),)
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
-    """What is judged on these runs alone; sideslip angles, speeds in the end, and turn-arounds of the law's shares."""
-    result = metrics_at_hand(SCENARIO, SCENARIO, ScenarioRuns(runs, vehicle, parameters))
+    """Numbers judged on these runs alone; sideslip angles, final speeds, turn-arounds of shares."""
+
+    def sideslip(name: str) -> float:
+        return peak_sideslip(run_named(runs, name))
+
+    def final_speed(name: str) -> float:
+        return _speed(run_named(runs, name))[-1]
+
+    def turned(name: str, share: str) -> float:
+        return turn_arounds(SHARES[share](run_named(runs, name)), SWING)
+
+    found = metrics_at_hand(SCENARIO, SCENARIO, ScenarioRuns(runs, vehicle, parameters))
     for name in runs:
-        result[f"peak_sideslip_{name}"] = metric(
-            lambda name=name: peak_sideslip(run_named(runs, name)), "rad", PEAK_SIDESLIP
+        found[f"peak_sideslip_{name}"] = metric(
+            lambda name=name: sideslip(name), "rad", PEAK_SIDESLIP
         )
-        result[f"holds_{name}"] = metric(
-            lambda name=name: peak_sideslip(run_named(runs, name)) < LIMIT,
-            "1",
-            "1: that is below 15 deg; else 0",
+        found[f"holds_{name}"] = metric(
+            lambda name=name: sideslip(name) < LIMIT, "1", "1: that is below 15 deg; else 0"
         )
-        result[f"final_speed_{name}"] = metric(
-            lambda name=name: _speed(run_named(runs, name))[-1], "m/s", "|V| in the end"
+        found[f"final_speed_{name}"] = metric(
+            lambda name=name: final_speed(name), "m/s", "|V| in the end"
         )
     for name in (*BY_LAW, ESTIMATED):
-        for share, values in SHARES.items():
-            result[f"turn_arounds_{share}_{name}"] = metric(
-                lambda name=name, values=values: turn_arounds(values(run_named(runs, name)), SWING),
+        for share in SHARES:
+            found[f"turn_arounds_{share}_{name}"] = metric(
+                lambda name=name, share=share: turned(name, share),
                 "1",
                 f"how often the share turns round by more than {SWING:g}",
             )
-    return result
+    return found
 
 
 def _speed(run: Recording) -> np.ndarray:
-    """Along the path, whichever way the spinning car looks, (n,) [m/s]."""
+    """Speed along the path, whichever way the spinning car points, (n,) [m/s]."""
     return np.abs(motion.path_speed(run))
 
 
 def panels(runs: Runs) -> dict[str, Panel]:
-    """The panels of fig. 5 by their letter, for the runs by the law."""
+    """Panels of fig. 5 by their letter, for the runs by the law."""
     by_law = {name: run for name, run in runs.items() if name in BY_LAW}
-    titles = {"h_n": "Front axle, h_n", "h_2": "Rear left, h_2", "h_4": "Rear right, h_4"}
+
+    def of(title: str, share: str) -> Panel:
+        return over_time(by_law, title, "share [1]", SHARES[share])
+
     return {
-        letter: over_time(by_law, titles[name], "share [1]", share)
-        for letter, (name, share) in zip("abc", SHARES.items(), strict=True)
+        "a": of("Front axle, h_n", "h_n"),
+        "b": of("Rear left, h_2", "h_2"),
+        "c": of("Rear right, h_4", "h_4"),
     }
 
 
@@ -89,38 +97,26 @@ def track(runs: Runs, name: str) -> Curve:
 def figures(runs: Runs) -> dict[str, Sheet]:
     """Paths (figs 3 and 4), shares (fig. 5), sideslip angle, yaw rate and speed."""
     shown = {name: run for name, run in runs.items() if name != ESTIMATED}
-
-    more = [
-        *motion_panels(shown, "sideslip_angle", "yaw_rate"),
-        over_time(shown, "Speed", "speed [m/s]", _speed),
-    ]
+    tracks = [track(runs, name) for name in shown]
+    beside = motion_panels(shown, "sideslip_angle", "yaw_rate")
+    speed = over_time(shown, "Speed", "speed [m/s]", _speed)
     return {
-        "fig3_fig4": plan_view("Path of the centre of mass", [track(runs, name) for name in shown]),
-        "fig5": Sheet([*panels(runs).values(), *more]),
+        "fig3_fig4": plan_view("Path of the centre of mass", tracks),
+        "fig5": Sheet([*panels(runs).values(), *beside, speed]),
     }
 
 
-ORDER = 4  # among the sources, in tables
-MEASURES = measures_of(measures)
-_BEND = (ScenarioNeed("zhileykin2018"),)
-
-
 def _paths(figure: str, title: str, *names: str) -> PublishedPanel:
-    return PublishedPanel(
-        figure,
-        "",
-        "Paths",
-        (f"zhil.fig{figure}",),
-        _BEND,
-        lambda driven: plan_view(title, [track(driven.runs, name) for name in names]),
-    )
+    def draw(driven: ScenarioRuns) -> Sheet:
+        return plan_view(title, [track(driven.runs, name) for name in names])
+
+    return PublishedPanel(figure, "", "Paths", (f"zhil.fig{figure}",), _BEND, draw)
 
 
 def _share(letter: str, most: float) -> PublishedPanel:
+    row = "Shares of the drive torque"
     draw = drawn_over_time(lambda driven: panels(driven.runs)[letter], ends=(0.0, most))
-    return PublishedPanel(
-        "5", letter, "Shares of the drive torque", (f"zhil.fig5{letter}",), _BEND, draw
-    )
+    return PublishedPanel("5", letter, row, (f"zhil.fig5{letter}",), _BEND, draw)
 
 
 PANELS = (
