@@ -72,7 +72,7 @@ BUILT: dict[str, dict[str, Callable[[], str]]] = {  # page -> parts that it has 
         f"verdicts of {source}": partial(verdict_tables.source_table, source) for source in sources()
     },
     full_board_tables.PAGE: full_board_tables.BUILT,
-    **{page: {study: partial(kept_study_table, study)} for page, study in LONG_TABLES.items()},
+    **{page: {study: partial(kept_study_table, study) for study in studies} for page, studies in LONG_TABLES.items()},
 }
 
 README = "README.md"
@@ -91,7 +91,7 @@ PAGES: dict[str, tuple[str, ...]] = {
     full_board_tables.PAGE: (full_board_tables.SCORES,),
     **{name: (RESULTS, *page.studies, *page.tables) for name, page in SCENARIO_PAGES.items()},
     **{
-        name: tuple(study for study in (*studies, *STUDY_TABLES.get(name, {})) if study != LONG_TABLES.get(name))
+        name: tuple(each for each in (*studies, *STUDY_TABLES.get(name, {})) if each not in LONG_TABLES.get(name, ()))
         for name, studies in STUDY_PAGES.items()
     },
 }
