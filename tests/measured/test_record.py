@@ -8,7 +8,7 @@ from measured.made_records import CHANNELS, MAPPING, columns_of, driven, write
 
 from ev_msgs_py.refusal import ParameterError
 from ev_study.measured.records.mapping import read_record
-from ev_study.measured.records.record import SIDESLIP
+from ev_study.measured.records.record import SIDESLIP, ColumnParameters
 from ev_study.measured.replays.open_loop import windows_of
 
 
@@ -28,6 +28,22 @@ def test_units_axes_and_place_of_the_sensor_are_taken_back(tmp_path, name):
     assert record.valid.all()
     truth = np.arctan2(driven().channels["twist.lateral"], driven().channels["twist.longitudinal"])
     assert record[SIDESLIP] == pytest.approx(truth, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("channel", "sign"),
+    [
+        *((f"twist.{name}", sign) for name, sign in (("longitudinal", 1.0), ("lateral", -1.0), ("yaw_rate", -1.0))),
+        *((f"imu.{name}", sign) for name, sign in (("longitudinal_acceleration", 1.0), ("lateral_acceleration", -1.0))),
+        *((f"steering_column.state.{name}", -1.0) for name in ("angle", "rate", "hand_torque", "road_wheel_rate")),
+        *((f"{name}.rear_left", 1.0) for name in ("wheel_states.velocity", "tire_forces.load", "torque_command.drive")),
+        *(("tire_forces.lateral_force.front_left", -1.0), (SIDESLIP, -1.0), ("rear_steering.state.angle", -1.0)),
+    ],
+)
+def test_the_axes_of_sae_turn_the_sign_of_all_that_points_to_the_left(channel, sign):
+    """With y to the right and z down, of whatever channel an estimator may read."""
+    assert ColumnParameters(frame="sae").factor(channel) == sign
+    assert ColumnParameters(frame="iso").factor(channel) == 1.0
 
 
 def test_a_short_spike_is_bridged_and_a_gap_is_masked(tmp_path):

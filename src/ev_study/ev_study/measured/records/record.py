@@ -11,6 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ev_core.parameters.declaration import parameter, setting
+from ev_msgs_py.contract.fields import shape_of
+from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_study.measured.records.samples import Sampled, cut, in_order, jumps, spacing_of, without_spikes
 
@@ -35,7 +37,13 @@ _SURE = 3.0  # times as fast as a steering angle may change: a log that holds ea
 SLOWEST = 1.0  # [m/s], below which nothing is made of a sideslip angle
 _MOVED = (LONGITUDINAL, LATERAL, LONGITUDINAL_ACCELERATION, LATERAL_ACCELERATION, SIDESLIP)  # to the centre of mass
 _SAME_EVERYWHERE = (YAW_RATE, "imu.yaw_rate")  # of a rigid body; a place may be given and changes nothing
-_FLIPPED = (YAW_RATE, "imu.yaw_rate", LATERAL, LATERAL_ACCELERATION, ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE, SIDESLIP)
+# To the left, or about the vertical axis: of the other sign where y is to the right and z down.
+_FLIPPED = {SIDESLIP} | {
+    channel
+    for signal, topic in TOPICS.items()
+    for channel, is_lateral in zip(topic.channels, shape_of(signal).lateral, strict=True)
+    if is_lateral
+}
 
 
 @dataclass(frozen=True, slots=True)
