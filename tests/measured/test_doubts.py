@@ -170,6 +170,19 @@ def test_what_the_scale_of_a_sensor_does_to_parameters_is_known_beforehand(chann
         assert foretold == pytest.approx(0.04, rel=0.3)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_the_error_that_is_left_is_that_of_what_was_measured(monkeypatch, share):
+    """One weight off throughout is one weight, whatever part of the windows has no sideslip angle."""
+    record = record_of()
+    record.channels[SIDESLIP][: int(0.7 * share * len(record.valid))] = np.nan
+    replay = replay_of(record)
+    weights = {YAW_RATE: 0.02, SIDESLIP: 0.01}
+    of = Residuals(replay, free_parameters(["yaw"], replay.configurations), weights, 5, 1.0)
+    off = np.concatenate([np.isfinite(replay.measured(name)[:, ::5]).astype(float) for name in weights], axis=1)
+    monkeypatch.setattr(of, "at", lambda points: off[None])
+    assert of.left(of.begin, dict.fromkeys(weights, 0.0)) == pytest.approx(weights)
+
+
 def test_one_window_gives_no_interval():
     assert any("one window" in each for each in fitted(replay_of(record_of(), 2.0, 0.2), 25).doubts)
 

@@ -77,10 +77,18 @@ class Residuals:
         return np.moveaxis((found[1:] - found[0]) / steps[:, None, None], 0, 2)
 
     def left(self, point: np.ndarray, floors: Mapping[str, float]) -> dict[str, float]:
-        """The RMS error of each signal in the median window, in its unit, and at least its floor."""
-        found = np.split(self.at(point[None])[0], len(self.weights), axis=1)
-        medians = [float(np.median(np.sqrt(np.mean(each**2, axis=1)))) for each in found]
-        return {n: max(m * w, floors[n]) for (n, w), m in zip(self.weights.items(), medians, strict=True)}
+        """The RMS error of each signal in the median window, in its unit, and at least its floor.
+
+        Of what was measured: a sideslip angle is not where the car hardly moves.
+        """
+        found = {}
+        for name, errors in zip(
+            self.weights, np.split(self.at(point[None])[0], len(self.weights), axis=1), strict=True
+        ):
+            count = np.isfinite(self._measured[name]).sum(axis=1)
+            squares = (errors**2).sum(axis=1)[count > 0] / count[count > 0]
+            found[name] = max(float(np.median(np.sqrt(squares))) * self.weights[name], floors[name])
+        return found
 
     def fit(self, begin: np.ndarray, most: int) -> OptimizeResult:
         """Least squares from a point on, with the loss soft_l1 beyond three weights, in at most so many steps."""
