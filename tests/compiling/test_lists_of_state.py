@@ -171,6 +171,8 @@ TWICE = {
     "old = s.now[:]": "s.now[:] is a list of its own in plain Python, read its numbers one by one",
     "s.now[:2], x = s.now[1:], 2.0": "s.now[1:] is a list of its own",
     "for x in s.now[:]: s.now[1] = x": "s.now[:] is a list of its own",
+    "if s.now: x = 1.0": "s.now is a list, write what is asked of its numbers",
+    "x = 1.0 if s.now[:2] else 2.0": "s.now[:2] is a list, write what is asked of its numbers",
     "if s.now == s.old: x = 1.0": "s.now == s.old compares lists as a whole, write a loop over their numbers",
 }
 

@@ -11,9 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ev_core.compiled import part
 from ev_core.compiled.lists_of_state import wrong_lists
+from ev_core.compiled.part import code_key
 from ev_core.compiled.unassigned import unassigned
-from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.lockstep.parts import compiled_part
 from ev_core.methods.law_error import LawError
 from ev_core.methods.register import all_methods
@@ -120,6 +122,23 @@ def test_a_text_of_one_meaning_is_compiled(tmp_path):
     file = tmp_path / "my_law.py"
     file.write_text(f"{HEAD}{ACCEPTED}{TAIL}")
     assert compiled_part(configure("asr", {"method": str(file)})).state.size == 27
+
+
+def test_what_older_rules_have_let_pass_is_looked_at_anew(tmp_path, monkeypatch):
+    """Code on disk is not: that of a law of a user has the rules in its key. Ours is looked at by the suite."""
+    file = tmp_path / "my_law.py"
+    file.write_text(f"{HEAD}{ACCEPTED}{TAIL}")
+    mine, ours = configure("asr", {"method": str(file)}), configure("asr", {"method": "pi_slip"})
+    keys = [code_key(each.method, *_given(each)) for each in (mine, ours)]
+    monkeypatch.setattr(part, "_rules", lambda: "of tomorrow")
+    assert [code_key(each.method, *_given(each)) == key for each, key in zip((mine, ours), keys, strict=True)] == [
+        False,
+        True,
+    ]
+
+
+def _given(configuration: Configuration) -> tuple[Any, Any, float]:
+    return configuration.given, configuration.common.vehicle, configuration.common.control_period
 
 
 def _is_ours(function: Any) -> bool:

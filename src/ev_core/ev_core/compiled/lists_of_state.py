@@ -132,6 +132,14 @@ class _Text(ast.NodeVisitor):
             self._say(node, f"{ast.unparse(node)} compares lists as a whole, write a loop over their numbers")
         self.generic_visit(node)
 
+    def visit_If(self, node: ast.If | ast.While | ast.IfExp) -> None:
+        if isinstance(self._part(_whole(node.test)), list):
+            self._copied.add(node.test)
+            self._say(node.test, f"{ast.unparse(node.test)} is a list, write what is asked of its numbers")
+        self.generic_visit(node)
+
+    visit_While = visit_IfExp = visit_If
+
     def visit_Call(self, node: ast.Call) -> None:
         if isinstance(node.func, ast.Name) and node.func.id in _ONLY_READING:
             self._copied.update(node.args)
