@@ -313,7 +313,7 @@ def test_a_run_and_a_study_read_no_file_that_they_remove(tmp_path: Path, monkeyp
         Path("out/mine.yaml").write_text("/**/plant:\n  ros__parameters:\n    seed: 1\n")
     more = (*SHORT, "--offline") if command == "shchur2019" else ("shchur2019", "--seeds", "2", *SHORT)
     with pytest.raises(SystemExit, match=r"mine\.yaml there is what this command reads"):
-        ev_stack.perform(("run", command, *more, option, "out/mine.yaml", "--out", "out"))
+        program.perform(("run", command, *more, option, "out/mine.yaml", "--out", "out"))
     assert Path("out/mine.yaml").exists()
 
 
