@@ -68,7 +68,7 @@ def test_whose_node_is_not_known_is_heard_when_it_is_and_told_of_when_it_takes_l
     for _ in range(3):
         assert not heard(speaker, OURS)
         wall[0] += 0.1
-    assert set(said) == {"a sender on /ev/imu is not heard: the graph does not tell whose node it is"}
+    assert set(said) == {"a sender on /ev/imu is not admitted: the graph does not name its node"}
     graph.names["ours"] = "plant"
     assert heard(speaker, OURS)
 
@@ -110,7 +110,7 @@ def test_a_master_that_was_started_anew_before_time_went_on_is_named(wall):
             wall[0] += 1.0
             assert heard(speaker, gid)
         assert len(told) == named
-    assert told[0].startswith("plant was started anew at 0 s")
+    assert told[0].startswith("plant was started again at 0 s")
 
 
 def test_a_message_without_an_identity_is_of_no_other_publisher(wall):

@@ -11,8 +11,8 @@ from ev_stack.running.node_reports import observing
 
 LAST = 2**31 - 1
 REFUSED = (
-    "the time of day: 2038-01-19 03:14:08 UTC is past what Fast DDS can send; "
-    "allowed: up to 2038-01-19 03:14:07, or another middleware"
+    "the time of day: 2038-01-19 03:14:08 UTC is past what Fast DDS can send, "
+    "expected up to 2038-01-19 03:14:07, or another middleware"
 )
 
 

@@ -1,1 +1,1 @@
-"""What is ROS about stepping: nodes, the master of time, the compiled loop."""
+"""ROS around a step: nodes, the master of time, the compiled loop."""

@@ -1,4 +1,4 @@
-"""The main function of every node executable, and what holds where DDS security is asked for."""
+"""The main function of every node executable, and its rules where DDS security is asked for."""
 
 import os
 import re
@@ -33,27 +33,27 @@ from ev_nodes.stepping.time_of_day import refuse_late_time_of_day, too_late
 
 
 def security_is_asked_for(environment: Mapping[str, str]) -> bool:
-    """Whether ROS 2 shall encrypt and authenticate; it takes nothing but the word true for that."""
+    """Return whether ROS 2 shall encrypt and authenticate; ROS takes nothing but the word true for that."""
     return environment.get("ROS_SECURITY_ENABLE") == "true"
 
 
 def refuse_weak_security(environment: Mapping[str, str]) -> None:
     """RuntimeError where security is asked for in a way in which ROS 2 would quietly do without it.
 
-    With Enforce a node without keys, or with a middleware that was built without security, cannot be made: what it
-    lacks is in the line of that error.
+    With Enforce a node without keys, or with a middleware that was built without security, cannot be made: the line
+    of that error names what it lacks.
     """
     enabled = environment.get("ROS_SECURITY_ENABLE", "false")
     if enabled not in ("true", "false"):
-        raise RuntimeError(f"ROS_SECURITY_ENABLE: {quoted(enabled)} counts as no security; allowed: true, false")
+        raise RuntimeError(f"ROS_SECURITY_ENABLE: {quoted(enabled)} counts as no security, expected true or false")
     strategy = environment.get("ROS_SECURITY_STRATEGY", "Permissive")
     if enabled == "true" and strategy != "Enforce":
         raise RuntimeError(
-            f"ROS_SECURITY_STRATEGY: {quoted(strategy)} lets nodes without keys speak unprotected; allowed with "
-            "ROS_SECURITY_ENABLE=true: Enforce"
+            f"ROS_SECURITY_STRATEGY: {quoted(strategy)} lets nodes without keys send unprotected, expected Enforce "
+            "with ROS_SECURITY_ENABLE=true"
         )
     if enabled == "true" and not environment.get("ROS_SECURITY_KEYSTORE"):
-        raise RuntimeError("ROS_SECURITY_KEYSTORE: '' with ROS_SECURITY_ENABLE=true; allowed: the folder of the keys")
+        raise RuntimeError("ROS_SECURITY_KEYSTORE: '' with ROS_SECURITY_ENABLE=true, expected the folder of the keys")
 
 
 # What rclpy raises where the middleware cannot do something, or a library of messages cannot be loaded.
@@ -66,7 +66,7 @@ def make_node(role: str, **node_arguments: Any) -> SteppedNode:
 
 
 def node_maker(role: str) -> Callable[..., Any]:
-    """What makes the node of a role, given the arguments of an rclpy node: `make` of its module, where there is one."""
+    """Function that makes the node of a role, given arguments of an rclpy node: `make` of its module, if it has one."""
     points = entry_points(group=NODES, name=role)
     modules = {import_module(point.module) for point in points}
     makers = [module.make for module in modules if hasattr(module, "make")]
@@ -83,9 +83,9 @@ def hidden_node(name: str, context: Context | None) -> Node:
 
 @contextmanager
 def given_parameters(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
-    """The parameters that a node of this name is given; who makes a role's node learns from them which one.
+    """The parameters given to a node of this name, from which a role's `make` learns which node to make.
 
-    The node must be made within the block. A context whose last node goes leaves the graph, and when somebody leaves
+    The node must be made within the block. A context leaves the graph with its last node, and when a process leaves
     while others are finding each other, Fast DDS may lock one of these up for ever: removing what has left waits for
     its thread of timed events, which waits to announce itself. So another node stays meanwhile, under a hidden name,
     for the graph mixes up what belongs to two nodes of one name.
@@ -132,7 +132,7 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
             rclpy.init(domain_id=given_domain(os.environ), signal_handler_options=SignalHandlerOptions.NO)
             node = make()
             own = node.get_name()
-            if own != name and name in (*ROLES, RECORDER):  # nobody would take its messages
+            if own != name and name in (*ROLES, RECORDER):  # no node would take its messages
                 raise ValueError(f"__node: {quoted(own)} is refused, expected {name}, as the others know it")
             if SILENTLY not in os.environ:  # a runner knows by itself
                 node.get_logger().info(f"ready, in ROS domain {node.context.get_domain_id()}")
@@ -156,11 +156,11 @@ SILENTLY = "EV_STACK_LEAVE_SILENTLY"  # variable of the environment: a runner se
 def leave(node: Any, trouble: str) -> NoReturn:
     """End the process, with status 1 and a line on stderr if there was trouble. No signal counts from here on.
 
-    A node of a runner removes only its subscriptions from the graph, so that nobody waits until it has received
+    A node of a runner removes only its subscriptions from the graph, so that no node waits until it has received
     something: all nodes end together, and a process that reads a publisher which is just being removed holds a lock of
     Fast DDS and waits for its own thread of timed events. If that thread is about to announce its process, and waits
-    for the lock, the process is locked up for ever (https://github.com/eProsima/Fast-DDS/issues/6502). Others miss the
-    rest when its lease is over, after 4 s. Any other node removes all that it has.
+    for the lock, the process is locked up for ever (https://github.com/eProsima/Fast-DDS/issues/6502). Other nodes
+    drop the rest when its lease is over, after 4 s. Any other node removes all that it has.
 
     The participant of the process is never deleted (`leave_graph`).
     """
@@ -188,7 +188,7 @@ def leave_graph(node: Node) -> None:
 def one_line(error: Exception) -> str:
     """The text of an error without line breaks and without the places in ROS's own source code.
 
-    Where the middleware cannot send because of the time of day, it says that.
+    It adds the cause where the middleware cannot send because of the time of day.
     """
     if isinstance(error, rclpy_implementation.UnknownROSArgsError):
         return f"unknown ROS arguments {error}"

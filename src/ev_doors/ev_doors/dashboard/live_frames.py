@@ -82,6 +82,11 @@ class Reported:
 # Of the messages between two looks only the last one counts, and no writer waits for a page or sends to it again.
 _NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
+
+class _NewestReader(SignalReader):
+    quality = _NEWEST
+
+
 _TELLS_TIME = BodyVelocity  # of the master, at every instant: one topic never goes back, several overtake each other
 
 
@@ -94,10 +99,7 @@ class LiveFrames:
     def __init__(self, node: Node, refuse: Callable[[str, str], None]) -> None:
         self.vehicle: Vehicle | None = None
         self._refuse = refuse
-        self._readers = {
-            signal: SignalReader(node, TOPICS[signal], lambda message: None, refuse, quality=_NEWEST)
-            for signal in PLACES
-        }
+        self._readers = {signal: _NewestReader(node, TOPICS[signal], lambda message: None, refuse) for signal in PLACES}
         self._numbers = np.zeros((1, SIZE))
         self._stamp: int | None = None
         self._period = 0  # ns; 0 until the parameters of the plant are known

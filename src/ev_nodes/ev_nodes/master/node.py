@@ -60,7 +60,7 @@ class MasterNode(SteppedNode):
 
     @cached_property
     def schedule(self) -> Schedule:
-        """Where time is, and what holds it back."""
+        """The present instant, and what holds time back."""
         return Schedule(self.stepper, self.realtime, self.configuration.extra)
 
     @property
@@ -69,14 +69,22 @@ class MasterNode(SteppedNode):
         return self.schedule.now
 
     def also_reads(self, reads: tuple[type, ...]) -> tuple[type, ...]:
-        """Besides its inputs the master follows the recorder, if it shall wait for it."""
+        """Its inputs, and the recorder's progress if the master shall wait for it."""
         return (*reads, RECORDER_WRITES) if self.configuration.extra.await_recorder else reads
 
     def receiver(self, topic: Topic) -> Callable[[bytes], None]:
-        """What takes an input of the next step or, in real time, the newest; or notes how far the recorder is."""
-        kind, read, go_on = topic.signal, self.reception.reader(topic), self._go_on
-        offer, arrivals = self.stepper.inbox.offer, self.reception.arrivals
-        note, hold, report_gap = self.schedule.note_recorded, self.schedule.hold, self.reception.report_gap
+        """Return the function that takes an input of the next step or, in real time, the newest one.
+
+        That of the recorder's progress notes how far the recorder is.
+        """
+        kind = topic.signal
+        read = self.reception.reader(topic)
+        go_on = self._go_on
+        offer = self.stepper.inbox.offer
+        arrivals = self.reception.arrivals
+        note = self.schedule.note_recorded
+        hold = self.schedule.hold
+        report_gap = self.reception.report_gap
 
         def take(message: bytes) -> None:
             readable = read(message)
@@ -124,7 +132,7 @@ class MasterNode(SteppedNode):
             self._silence.name_after(self.configuration.extra.answer_timeout, self.schedule.missing, self.now)
 
     def why_it_waits(self, missing: tuple[type, ...]) -> list[str]:
-        """What is wrong with the graph, and with messages that have come."""
+        """List what is wrong with the graph, and with messages that have arrived."""
         return [*self._silence.reasons(missing), *super().why_it_waits(missing)]
 
     def free_until(self) -> int:
@@ -143,7 +151,7 @@ class MasterNode(SteppedNode):
         self._spoke = time.monotonic()
 
     def _name_other_clocks(self) -> None:
-        """Report masters that share the clock: time goes back and forth there for all who follow it."""
+        """Report other masters on the clock: time jumps back and forth for every node that follows it."""
         clock, own = self.resolve_topic_name(_CLOCK_TOPIC), self.get_fully_qualified_name()
         ends = self.get_publishers_info_by_topic(clock)
         names = {full_name(end) for end in ends}
@@ -166,14 +174,14 @@ class MasterNode(SteppedNode):
             self.publish(self.stepper.answer)
 
     def went_on(self, spoke: float) -> None:
-        """Nobody is silent."""
+        """Note that all nodes have answered."""
         super().went_on(spoke)
         self._retry_period = _RETRY_PERIOD
         self._spoke = spoke
         self._silence.answered()
 
     def reconfigured(self) -> None:
-        """Time goes on from here at its new pace."""
+        """Let time go on from here at its new pace."""
         self.schedule.follow(self.configuration.extra)
 
     def _begin(self) -> None:
@@ -187,9 +195,9 @@ class MasterNode(SteppedNode):
         self._silence.answered()
 
     def _wait_for_the_recorder(self) -> None:
-        """Real time has not waited for it, and the last message of a process is lost if it ends too soon.
+        """Wait until the recorder has every state: messages of a process that ends too soon are lost.
 
-        Where none is followed, any subscriber of the state may be one.
+        Real time has not waited for it so far. Where no recorder is followed, any subscriber of the state may be one.
         """
         reader = self.readers.get(RECORDER_WRITES)
 
@@ -223,7 +231,7 @@ class MasterNode(SteppedNode):
                     self._note_overrun()
 
     def _note_overrun(self) -> None:
-        """A burst of late steps would be no real time."""
+        """Give up the time that is lost: a burst of steps to catch up would be no real time."""
         self.schedule.lose_what_is_late()
         self.schedule.timing.overruns += 1
         if self.schedule.timing.overruns == 1:

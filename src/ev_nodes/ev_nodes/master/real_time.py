@@ -72,7 +72,7 @@ class FadingInputs(HeldInputs):
     _command_came = 0.0
 
     def take(self, kind: type, stamp: int, numbers: Sequence[float], limit: int) -> bool:
-        """Keep a message, whose stamp must be above those of its kind before and not above the limit; whether it is."""
+        """Keep a message; False if its stamp is not above the last one of its kind, or is above the limit."""
         if not self.stamp_of(kind) < stamp <= limit:
             return False
         self.keep(kind, stamp, numbers)
@@ -81,25 +81,25 @@ class FadingInputs(HeldInputs):
         return True
 
     def came_now(self) -> None:
-        """The age of the torque command by the wall clock counts from now on."""
+        """Count the age of the torque command by the wall clock from now on."""
         self._command_came = time.monotonic()
 
     def share(self, now: int, period: int, p: MasterParameters) -> float:
-        """What is left of the held torque command [1] in the step from now on.
+        """Share of the held torque command [1] that acts in the step from now on.
 
-        It falls to zero by a ramp. No torque acts any more when the command is `command_timeout` old, so what counts
-        is its age at the end of the step, by its stamp or by the wall clock, whichever is more.
+        It falls to zero by a ramp. No torque acts any more when the command is `command_timeout` old. So its age at
+        the end of the step counts, by its stamp or by the wall clock, whichever is more.
         """
         by_stamp = now - self.stamp_of(WheelTorqueCommand)
         by_wall_clock = stamps.from_seconds(time.monotonic() - self._command_came)
-        # In whole nanoseconds: 0.1 s - 0.09 s - 0.01 s is not zero in floats, and the whole torque without a ramp.
+        # In whole nanoseconds: 0.1 s - 0.09 s - 0.01 s is above zero in floats, which without a ramp is all torque.
         left = stamps.from_seconds(p.command_timeout) - max(by_stamp, by_wall_clock) - period
         if left <= 0:
             return 0.0
         return min(stamps.to_seconds(left) / p.command_ramp, 1.0) if p.command_ramp > 0.0 else 1.0
 
     def at(self, share: float, brake_torque: float) -> Frame:
-        """The inputs of a step; what is missing of the command's torques is made up for by braking."""
+        """The inputs of a step; brake torque replaces the share of the command that has faded."""
         here = Frame()
         here.numbers[:] = self.frame.numbers
         if share < 1.0:
@@ -114,7 +114,7 @@ EDGES = tuple(digit * 10.0**power for power in range(-6, 1) for digit in (1.0, 2
 
 
 class Histogram:
-    """Counts times [s] in three bins a decade from 1 us to 5 s and above; what is less is in the first."""
+    """Counts times [s] in three bins a decade from 1 us to 5 s and above; shorter times are in the first."""
 
     def __init__(self) -> None:
         self.counts = [0] * (len(EDGES) + 1)
@@ -134,10 +134,10 @@ class Histogram:
 class Timing:
     """Wall times of a run in real time, all by the monotonic clock.
 
-    `period` is that between steps, `lateness` how long after it was due a step was taken, `arrival` by topic how long
-    after its instant was due an input came. An overrun is a step that came more than a period late; `without_command`
-    counts the steps whose torque had faded since there was no command that was new enough, `refused` inputs by topic
-    whose stamps were older than others before, or of instants that have yet to come.
+    `period` is the time between steps, `lateness` the time from when a step was due until it was taken, `arrival` by
+    topic the time from when an instant was due until its input came. An overrun is a step that was more than a period
+    late. `without_command` counts the steps whose torque had faded because no command was new enough, `refused` by
+    topic the inputs that were older than others before, or of instants that have yet to come.
     """
 
     def __init__(self, reads: tuple[type, ...]) -> None:
@@ -148,7 +148,7 @@ class Timing:
         self._stepped: float | None = None
 
     def stepped(self, lateness: float) -> None:
-        """A step was taken now."""
+        """Count a step that was taken now."""
         now = time.monotonic()
         if self._stepped is not None:
             self.period.add(now - self._stepped)
@@ -157,7 +157,7 @@ class Timing:
         self.lateness.add(lateness)
 
     def rested(self) -> None:
-        """Time stood still until now: that was no period."""
+        """Note that time stood still until now: the pause is no period between steps."""
         self._stepped = None
 
     def as_json(self) -> dict[str, Any]:

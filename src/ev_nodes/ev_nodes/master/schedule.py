@@ -20,31 +20,31 @@ from ev_nodes.stepping.runner_line import TIME_SERVICE, Word
 
 
 class Pace:
-    """Both times begin to count at the last call of `start`; the clock is monotonic.
+    """Simulated time against wall time, which both count from the last call of `start`; the clock is monotonic.
 
-    What `go_on` has let be lost since counts in the summary, but no instant is due earlier for it.
+    Time lost since `go_on` counts in the summary, but no instant is due earlier for it.
     """
 
     def __init__(self) -> None:
         self.start(0)
 
     def start(self, stamp: int) -> None:
-        """Both times begin here."""
+        """Begin to count both times here."""
         self._rests: float | None = None
         self.go_on(stamp)
         self._begun = self._wall, self._stamp
 
     def rest(self) -> None:
-        """Both stand still until `resume`."""
+        """Let both times stand still until `resume`."""
         if self._rests is None:
             self._rests = time.monotonic()
 
     def go_on(self, stamp: int) -> None:
-        """The next instants are due as if this one were in time."""
+        """Let the next instants be due as if this one were in time."""
         self._wall, self._stamp = time.monotonic(), stamp
 
     def resume(self, stamp: int) -> None:
-        """The same behind a rest, which counts nowhere."""
+        """Go on after a rest, which counts nowhere."""
         self.go_on(stamp)
         if self._rests is not None:
             self._begun = self._begun[0] + self._wall - self._rests, self._begun[1]
@@ -55,14 +55,14 @@ class Pace:
         return self._wall + stamps.to_seconds(stamp - self._stamp) / factor
 
     def summary(self, stamp: int, period: int) -> str:
-        """What was simulated up to an instant, and how fast."""
+        """Simulated time up to an instant, and how fast it was simulated."""
         begun, first = self._begun
         wall, simulated = (self._rests or time.monotonic()) - begun, stamp - first
         return f"{stamps.to_seconds(simulated):g} s simulated in {wall:.3f} s, {simulated // period / wall:.1f} steps/s"
 
 
 class Schedule:
-    """Knows where time is and what holds it back; `parameters` are those of the master now."""
+    """The present instant and what holds time back; `parameters` are those of the master now."""
 
     def __init__(self, stepper: Stepper, realtime: bool, parameters: MasterParameters) -> None:
         self._stepper = stepper
@@ -71,12 +71,12 @@ class Schedule:
         self.timing = Timing(stepper.reads)
         self._pace = Pace()
         self._recorded = -1  # stamp up to which the recorder holds everything
-        self.paused = False  # by a service, which lets so many steps pass
-        self._granted = 0
+        self.paused = False  # by a service
+        self._granted = 0  # steps that a service lets pass while time is paused
         self.follow(parameters)
 
     def follow(self, parameters: MasterParameters) -> None:
-        """Time goes on from here by other parameters."""
+        """Let time go on from here by other parameters."""
         self._await_recorder = parameters.await_recorder
         self._end = stamps.from_seconds(parameters.duration)
         self._factor = 1.0 if self.realtime else parameters.real_time_factor
@@ -90,7 +90,7 @@ class Schedule:
         return 0 if answered == NEVER else answered - self._stepper.inbox.run
 
     def begin(self) -> None:
-        """A new run begins."""
+        """Begin a new run."""
         self._recorded, self._granted = -1, 0
         self.held.clear()
         self.timing = Timing(self._stepper.reads)
@@ -99,21 +99,21 @@ class Schedule:
             self._pace.rest()
 
     def pace_from_here(self) -> None:
-        """Wall clock and simulated time count from now on."""
+        """Count wall time and simulated time from now on."""
         self._pace.start(self.now)
 
     @property
     def rests(self) -> bool:
-        """Whether a service has stopped time."""
+        """True while a service has stopped time."""
         return self.paused and not self._granted
 
     def pause(self) -> None:
-        """Time stands still from now on."""
+        """Stop time."""
         self.paused, self._granted = True, 0
         self._pace.rest()
 
     def resume(self) -> None:
-        """Time goes on: what it has rested is neither late nor driven, and makes no command older."""
+        """Let time go on: the pause makes no step late and no command older."""
         if self.rests:
             self._pace.resume(self.now)
             self.held.came_now()
@@ -121,25 +121,25 @@ class Schedule:
         self.paused = False
 
     def grant_step(self) -> None:
-        """Time stands still behind one step more."""
+        """Stop time after one more step."""
         self.resume()
         self.paused = True
         self._granted += 1
 
     def took_step(self) -> None:
-        """One of the granted steps is taken."""
+        """Count one of the granted steps as taken."""
         self._granted = max(self._granted - 1, 0)
         if self.rests:
             self._pace.rest()
 
     def lose_what_is_late(self) -> None:
-        """Wall time that was lost stays lost."""
+        """Give up the wall time that was lost: no later step catches up."""
         self._pace.go_on(self.now)
 
     def note_recorded(self, stamp: int) -> None:
-        """The recorder holds everything up to a stamp, if it is one of this run.
+        """Note that the recorder holds everything up to a stamp, if it is one of this run.
 
-        One ahead of the present is not: the recorder has yet to see that another master counts from zero again.
+        A stamp ahead of the present is not: the recorder has yet to see that another master counts from zero again.
         """
         instant = stamp - self._stepper.inbox.run
         if instant % self._stepper.period == 0 and instant <= self.now:
@@ -148,7 +148,7 @@ class Schedule:
             self._recorded = max(self._recorded, instant)
 
     def held_step(self) -> Answer:
-        """One step of real time, with the newest inputs; the torque of a command that is not fresh enough has faded."""
+        """Take one step of real time with the newest inputs; the torque of an old command has faded."""
         now, period = self.now, self._stepper.period
         share = self.held.share(now, period, self._parameters)
         self.timing.without_command += share < 1.0
@@ -156,10 +156,10 @@ class Schedule:
         return self._stepper.step_with(now + self._stepper.inbox.run, inputs)
 
     def hold(self, kind: type, stamp: int, numbers: Sequence[float]) -> bool:
-        """Keep an input of realtime, which begins when all have come once; False if no run explains its stamp."""
+        """Keep an input of real time, which begins when all have come once; False if no run explains its stamp."""
         waited = not self.all_are_here
         instant = stamp - self._stepper.inbox.run
-        # What integrates publishes the next instant.
+        # A role that integrates publishes the next instant already.
         limit = self.now + 2 * self._stepper.period if instant % self._stepper.period == 0 else -1
         if not self.held.take(kind, instant, numbers, limit):
             newest = self.held.stamp_of(kind)
@@ -172,12 +172,12 @@ class Schedule:
         return True
 
     def _is_of_another_run(self, stamp: int) -> bool:
-        """Whether it was still under way when time was reset."""
+        """True for a message that was still under way when time was reset."""
         above = stamp % self._stepper.period
         return above != self._stepper.inbox.run and above % stamps.RUN == 0 and above < stamps.RUNS
 
     def _begin_here(self) -> None:
-        """What has waited for others until now is not late."""
+        """Begin the pace here: a step that has waited for other nodes is not late."""
         self.pace_from_here()
         self.held.came_now()
 
@@ -188,15 +188,15 @@ class Schedule:
 
     @property
     def all_are_here(self) -> bool:
-        """Whether the next step has its inputs, and the recorder is near enough."""
+        """True if the next step has its inputs, and the recorder is near enough."""
         complete = not self.held.missing if self.realtime else self._stepper.inbox.complete() is not None
         return complete and self.recorder_keeps_up
 
     @property
     def recorder_keeps_up(self) -> bool:
-        """Whether the recorder is near enough; at the first and at the last instant it must have everything.
+        """True if the recorder is near enough; at the first and at the last instant it must have everything.
 
-        Real time does not wait for it any more once it has begun.
+        Real time no longer waits for the recorder once the recorder has begun.
         """
         if not self._await_recorder or (self.realtime and self._recorded >= 0):
             return True
@@ -205,17 +205,17 @@ class Schedule:
 
     @property
     def recorder_is_behind(self) -> bool:
-        """Whether no recorder has confirmed yet that it holds the present instant."""
+        """True until a recorder confirms that it holds the present instant."""
         return self._recorded < self.now
 
     @property
     def at_end(self) -> bool:
-        """Whether this is the last instant."""
+        """True at the last instant."""
         return 0 < self._end < self.now + self._stepper.period
 
     @property
     def has_inputs(self) -> bool:
-        """Whether the next instant may come as soon as it is due."""
+        """True if the next instant may come as soon as it is due."""
         return self.all_are_here and not self.rests
 
     @property
@@ -247,13 +247,13 @@ class Schedule:
 
     @property
     def summary(self) -> str:
-        """What was simulated, how fast, and how often too late."""
+        """Simulated time, its speed, and the number of late steps."""
         overruns = self.timing.overruns
         late = f", {overruns} steps came more than a period late" if overruns else ""
         return self._pace.summary(self.now, self._stepper.period) + late
 
 
-TIME_SERVICES = {  # and how each reports what it has done
+TIME_SERVICES = {  # the text by which each reports what it has done
     "pause": "paused",
     "resume": "running",
     "step": "one more step granted",

@@ -1,4 +1,4 @@
-"""Why nodes do not answer: those that are gone, and ends of topics that exchange no messages."""
+"""Reasons why nodes do not answer: nodes that are gone, and ends of topics that exchange no messages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ev_nodes.stepping.signal_io import NAMELESS
 
 
 def full_name(end: Any) -> str:
-    """Of the node of a publisher or subscription."""
+    """Full name of the node of a publisher or subscription."""
     return f"{end.node_namespace.rstrip('/')}/{end.node_name}"
 
 
@@ -28,7 +28,7 @@ class Misfit(NamedTuple):
 
 
 def misfits(node: Any, topic: Topic) -> Iterator[Misfit]:
-    """Ends of a topic that have another type, or whose quality of service lets no message pass."""
+    """Ends of a topic that have another type, or with a quality of service that lets no message pass."""
     name, expected = node.resolve_topic_name(topic.name), topic.message_type
     writer = f"{node.get_namespace().rstrip('/')}/{WRITERS.get(topic.signal, RECORDER)}"
     publishers = _named(node.get_publishers_info_by_topic(name))
@@ -36,8 +36,8 @@ def misfits(node: Any, topic: Topic) -> Iterator[Misfit]:
     for does, ends in (("publishes", publishers), ("subscribes to", subscriptions)):
         for end in ends:
             if end.topic_type != expected:
-                who = full_name(end)
-                yield Misfit(who, f"{who} {does} {name} as {end.topic_type}, expected {expected}")
+                stranger = full_name(end)
+                yield Misfit(stranger, f"{stranger} {does} {name} as {end.topic_type}, expected {expected}")
     for publisher in publishers:
         if full_name(publisher) != writer or publisher.topic_type != expected:
             continue
@@ -47,12 +47,12 @@ def misfits(node: Any, topic: Topic) -> Iterator[Misfit]:
         for reader in subscriptions:
             fit, why = qos_check_compatible(publisher.qos_profile, reader.qos_profile)
             if fit == QoSCompatibility.ERROR and reader.topic_type == expected:
-                who, why = full_name(reader), why.removeprefix("ERROR: ").rstrip(";")
-                yield Misfit(who, f"{who} receives nothing of {name}: {why}")
+                deaf, why = full_name(reader), why.removeprefix("ERROR: ").rstrip(";")
+                yield Misfit(deaf, f"{deaf} receives nothing of {name}: {why}")
 
 
 def _named(ends: Iterable[Any]) -> list[Any]:
-    """Those whose node the graph names by now."""
+    """The ends of nodes that the graph can name by now."""
     return [end for end in ends if NAMELESS not in full_name(end)]
 
 
@@ -67,12 +67,12 @@ class Silence:
         self.answered()
 
     def answered(self) -> None:
-        """A step was taken; the clock is read when nothing comes after it."""
+        """Note that a step was taken; the clock is read only when nothing comes after it."""
         self._since: float | None = None
         self._reported: tuple[object, ...] = ()
 
     def name_after(self, timeout: float, missing: tuple[type, ...], now: int) -> None:
-        """Say who is missing at a stamp, once every `timeout` seconds of wall time."""
+        """Log the missing nodes at a stamp, once every `timeout` seconds of wall time."""
         wall = time.monotonic()
         if self._since is None:
             self._since = self._named = wall
@@ -87,7 +87,7 @@ class Silence:
             self._node.get_logger().error(f"waiting for {waits} at {at} s for {wall - self._since:.1f} s; {where}")
 
     def reasons(self, missing: tuple[type, ...]) -> list[str]:
-        """Why these signals do not come, as far as the graph knows: a node waits for others, too."""
+        """Reasons why these signals do not come, as far as the graph knows: a node waits for others, too."""
         space = self._node.get_namespace()
         nodes = self._node.get_node_names_and_namespaces()
         there = {name for name, where in nodes if where == space}

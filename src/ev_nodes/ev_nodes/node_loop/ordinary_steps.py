@@ -1,7 +1,10 @@
-"""The compiled loop of one node: whether there is one, the memory that it works on, and who calls it.
+"""The compiled loop of one node as Python sees it: when it may be used, its memory, its calls.
 
-It calls functions of rcl, below rclpy, by their addresses, and works on the inbox of the node: nothing is copied from
-one to the other. EV_STACK_NODE_LOOP=0 switches it off; nodes then take all steps in Python.
+How it works: `steps` holds the loop itself. It calls functions of rcl, below rclpy, by their addresses, and works on
+the inbox of the node, so that nothing is copied from one to the other. `OrdinarySteps` lays out what the loop needs in
+arrays of records and in one block of memory, calls it, and lets Python judge each message that is not an ordinary one.
+Without the loop (EV_STACK_NODE_LOOP=0, another C library, no machine code on disk) nodes take all steps in Python, with
+the same numbers.
 """
 
 from __future__ import annotations
@@ -29,7 +32,7 @@ VARIABLE = "EV_STACK_NODE_LOOP"
 
 
 def is_switched_on() -> bool:
-    """Whether nodes may have the loop; ParameterError if the variable of the environment is neither 0 nor 1."""
+    """Return whether nodes may use the loop; ParameterError if the variable of the environment is not 0 or 1."""
     given = os.environ.get(VARIABLE, "1")
     if given not in ("0", "1"):
         raise ParameterError(f"{VARIABLE}={quoted(given)} is refused, expected 1, or 0 for nodes without their loop")
@@ -37,12 +40,12 @@ def is_switched_on() -> bool:
 
 
 def can_be_taken() -> bool:
-    """Whether what the loop takes is there: machine code, and ROS's C library; and nobody has switched it off."""
+    """Return whether the loop can run: it is switched on, and finds its machine code and ROS's C library."""
     return is_switched_on() and bool(addresses()) and steps.CODE.is_kept()
 
 
 def keep_code() -> None:
-    """See to it that the machine code is on disk: without it nodes take their steps at half the speed."""
+    """Compile the loop to disk: without it nodes take their steps at half the speed."""
     if is_switched_on() and can_be_kept() and not steps.CODE.is_kept():
         steps.CODE.address()
 
@@ -60,7 +63,7 @@ MESSAGE_WORDS, INFO_WORDS = 8, 32
 
 @cache
 def addresses() -> dict[str, int]:
-    """By the names that the compiled loop gives them; none on a system that names its libraries differently."""
+    """Addresses of C functions by their names in the loop; none on a system that names its libraries differently."""
     try:
         rcl, libc = ctypes.CDLL("librcl.so"), ctypes.CDLL(None)
     except OSError:
@@ -84,7 +87,7 @@ class _Allocator(ctypes.Structure):
 
 
 def prepare_message(address: int, capacity: int) -> None:
-    """Make an `rcutils_uint8_array_t` for what is taken; it grows with the messages, and lasts until it is freed."""
+    """Make an `rcutils_uint8_array_t` to take messages into; it grows with them, and lasts until it is freed."""
     rcutils = ctypes.CDLL("librcutils.so")
     rcutils.rcutils_get_default_allocator.restype = _Allocator
     allocator = rcutils.rcutils_get_default_allocator()
@@ -94,7 +97,7 @@ def prepare_message(address: int, capacity: int) -> None:
 
 
 def free_message(address: int) -> None:
-    """Free what `prepare_message` has made, and what it has grown to."""
+    """Free what `prepare_message` has made, grown as it may be."""
     ctypes.CDLL("librcutils.so").rcutils_uint8_array_fini(ctypes.c_void_p(address))
 
 
@@ -116,7 +119,7 @@ _FIELDS = (
 _LIMIT, _UNTIL, _PATIENCE, _GUARD, _CAME, _REFUSED, _TAKEN, _SPOKE, _ODD, _FUNCTION, _STATE, _CONSTANTS = (
     (LOOP.names or ()).index(name) for name in _FIELDS
 )
-_NOBODY = b"\xff" * 16  # no identity
+_NO_SENDER = b"\xff" * 16  # no identity
 _FORGET_PERIOD = 0.05  # s after which senders that are refused are looked at again
 _SENDERS = 8  # of each input: the admitted one, and others that are known to be refused
 CAPACITY = 4096  # bytes of a message that need not be asked for
@@ -129,18 +132,18 @@ class Block:
         self._bytes = bytearray()
 
     def words_for(self, count: int) -> int:
-        """The place, in words, of so many new ones."""
+        """Add so many words, and return the place of the first, in words."""
         self._bytes += bytes(-len(self._bytes) % 8 + 8 * count)
         return len(self._bytes) // 8 - count
 
     def place_for(self, message: bytes) -> int:
-        """The place of a message, whose numbers come to stand at whole words: they do behind the encapsulation."""
+        """Add a message so that its numbers are aligned to words behind its encapsulation, and return its place."""
         self._bytes += bytes(-(len(self._bytes) + len(ENCAPSULATION)) % 8)
         self._bytes += message
         return len(self._bytes) - len(message)
 
     def finish(self) -> None:
-        """Nothing more is added."""
+        """Fix the block in memory; nothing more is added."""
         self.words = np.frombuffer(self._bytes + bytes(-len(self._bytes) % 8), np.int64).copy()
         self.address = self.words.ctypes.data
 
@@ -209,7 +212,7 @@ class OrdinarySteps:
         self._outputs["message"] = [block.words_for(MESSAGE_WORDS) for _ in outputs]
         block.finish()
         prepare_message(block.address + 8 * int(head["message"]), CAPACITY)
-        for row in self._outputs:  # without an allocator: nobody makes them grow
+        for row in self._outputs:  # without an allocator: messages that are sent do not grow
             at = int(row["message"])
             block.words[at : at + 3] = block.address + row["template"], row["length"], row["length"]
         self._block = block
@@ -217,8 +220,8 @@ class OrdinarySteps:
     def take(self, until: float, patience: float, limit: int, guard: int) -> bool | None:
         """Take steps up to a time of the monotonic clock, a stamp, or the first pause of `patience` seconds.
 
-        The guard condition at the address wakes it up, too. It returns whether anything has come, None if that is not
-        for the loop to do: before the first step, or beyond the limit.
+        The guard condition at the address wakes it up, too. It returns whether anything has come, None if these steps
+        are not for the loop: before the first step, or beyond the limit.
         """
         stepper, head = self._stepper, self._words
         if not stepper.under_way or stepper.inbox.last + stepper.period > limit:
@@ -246,12 +249,12 @@ class OrdinarySteps:
 
     @property
     def taken(self) -> int:
-        """How many steps it has taken the last time."""
+        """Number of steps that the last call has taken."""
         return self._words[_TAKEN]
 
     @property
     def spoke(self) -> float:
-        """When it has published last, on the monotonic clock."""
+        """Time of its last answer, on the monotonic clock [s]."""
         return self._words[_SPOKE] / NANOSECONDS
 
     def _name_senders(self) -> None:
@@ -260,13 +263,13 @@ class OrdinarySteps:
         if admitted != self._admitted:
             self._admitted = admitted
             for senders, gid in zip(self._senders, admitted, strict=True):
-                senders[0] = np.frombuffer(gid or _NOBODY, np.int64)
+                senders[0] = np.frombuffer(gid or _NO_SENDER, np.int64)
         if time.monotonic() >= self._forget_at:
             self._forget_at = time.monotonic() + _FORGET_PERIOD
-            self._senders[:, 1:] = np.frombuffer(_NOBODY, np.int64)
+            self._senders[:, 1:] = np.frombuffer(_NO_SENDER, np.int64)
 
     def _judge(self, place: int) -> None:
-        """Let Python see to the message that was taken last; who is refused, is refused by the loop for a while."""
+        """Let Python judge the message that was taken last; for a while the loop refuses a sender that it refuses."""
         words = self._block.words
         at, sender = int(self._head["message"][0]), int(self._head["info"][0]) + GID
         message, gid = ctypes.string_at(int(words[at]), int(words[at + 1])), words[sender : sender + 2].tobytes()

@@ -23,13 +23,30 @@ from ev_msgs_py.wire import STAMP_AT
 
 
 class Memory(NamedTuple):
-    """One block as bytes and as numbers; messages stand in it so that their numbers are whole ones of the block."""
+    """One block as bytes and as numbers; messages are placed so that their numbers are whole ones of the block."""
 
     bytes: Any
     words: Any  # integers of 8 bytes
     integers: Any  # of 4 bytes
     doubles: Any
     singles: Any
+
+
+class Work(NamedTuple):
+    """Memory that one loop works on; `steps` and `frames` are those of the node's inbox.
+
+    The first of the `senders` (inputs, n, 2) of an input is admitted, and the others are known to be refused.
+    """
+
+    head: Any
+    steps: Steps
+    inputs: Any
+    outputs: Any
+    runs: Any
+    senders: Any
+    frames: Any
+    memory: Memory
+    tally: Any
 
 
 def integers(*names: str) -> list[Any]:
@@ -46,7 +63,7 @@ RUN = np.dtype(integers("place", "offset", "length"))
 
 @compilable
 def is_laid_out_like(memory: Any, at: int, topic: Any) -> bool:
-    """Whether a message of the length of a topic's template has its constants."""
+    """Return whether a message of the length of a topic's template has its constants."""
     differs = 0
     for n in range(topic.length):
         differs |= (memory.bytes[at + n] ^ memory.bytes[topic.template + n]) & memory.bytes[topic.mask + n]
@@ -63,7 +80,7 @@ def stamp_in(memory: Any, at: int) -> int:
 
 @compilable
 def read_numbers(memory: Any, at: int, topic: Any, runs: Any, numbers: Any) -> bool:
-    """Copy the numbers of a message into a frame, as long as they are finite; whether all are, and none is negative."""
+    """Copy the numbers of a message into a frame; False if one is not finite, or negative and must not be."""
     for r in range(topic.first, topic.last):
         place, begin = runs[r].place, at + runs[r].offset
         for n in range(runs[r].length):
@@ -102,21 +119,16 @@ GID = 5  # word of the information on a message at which the identity of its pub
 
 
 @compilable
-def take_steps(
-    head: Any, steps: Any, inputs: Any, outputs: Any, runs: Any, senders: Any, frames: Any, memory: Any, tally: Any
-) -> int:
-    """Take steps until there is a reason to stop, which is returned.
-
-    `steps` and `frames` are those of the node's inbox. The first of the `senders` (inputs, n, 2) is
-    admitted, and the others are known to be refused.
-    """
+def take_steps(work: Work) -> int:
+    """Take steps until there is a reason to stop, which is returned."""
+    head, steps = work.head, work.steps
     while True:
         came = False
-        for i in range(len(inputs)):
+        for i in range(len(work.inputs)):
             for _ in range(_AT_ONCE):
                 if missing(steps) >> i & 1 == 0:
                     break
-                found = _take(head, steps, i, inputs[i], senders[i], runs, frames, memory)
+                found = _take(work, i)
                 if found == ODD:
                     head.odd = i
                     return ODD
@@ -128,17 +140,17 @@ def take_steps(
         if lacking == 0:
             if steps.done[LAST] + steps.period > head.limit:
                 return LIMIT
-            failure = _step(head, steps, frames, tally)
+            failure = _step(work)
             if failure:
                 return failure
-            _speak(head, steps, outputs, runs, frames, memory)
-        elif not came and not _sleep(head, _last_of(inputs, lacking).subscription, memory):
+            _publish(work)
+        elif not came and not _sleep(work, _last_of(work.inputs, lacking).subscription):
             return IDLE
 
 
 @compilable
 def _last_of(inputs: Any, lacking: int) -> Any:
-    """The input of the highest bit."""
+    """The input of the highest bit: the one that arrives last."""
     last = 0
     for i in range(len(inputs)):
         if lacking >> i & 1 != 0:
@@ -147,16 +159,20 @@ def _last_of(inputs: Any, lacking: int) -> Any:
 
 
 @compilable
-def _take(head: Any, steps: Any, i: int, one: Any, senders: Any, runs: Any, frames: Any, memory: Any) -> int:
+def _take(work: Work, i: int) -> int:
     """Take the next message of an input, and keep its numbers if it is an ordinary one."""
+    head, steps, memory = work.head, work.steps, work.memory
+    one, senders = work.inputs[i], work.senders[i]
     here = memory.words.ctypes.data
     if call(head.rcl_take, one.subscription, here + 8 * head.message, here + 8 * head.info, 0) != 0:
         return _NOTHING
+    # The publisher first: a stranger's message is not looked at.
     low, high = memory.words[head.info + GID], memory.words[head.info + GID + 1]
     if low != senders[0, 0] or high != senders[0, 1]:
         for k in range(1, len(senders)):
             if low == senders[k, 0] and high == senders[k, 1]:
-                one.refused, head.refused = one.refused + 1, 1
+                one.refused += 1
+                head.refused = 1
                 return _REFUSED
         return ODD
     buffer, length = memory.words[head.message], memory.words[head.message + 1]
@@ -166,15 +182,16 @@ def _take(head: Any, steps: Any, i: int, one: Any, senders: Any, runs: Any, fram
     stamp = stamp_in(memory, head.heard)
     if judged(steps, stamp, i) != NEW or not is_laid_out_like(memory, head.heard, one):
         return ODD
-    if not read_numbers(memory, head.heard, one, runs, frames[row_of(steps, stamp)]):
+    if not read_numbers(memory, head.heard, one, work.runs, work.frames[row_of(steps, stamp)]):
         return ODD
     keep(steps, stamp, i)
     return _KEPT
 
 
 @compilable
-def _step(head: Any, steps: Any, frames: Any, tally: Any) -> int:
-    """One step of the part."""
+def _step(work: Work) -> int:
+    """Take one step of the part; FAILED or NOT_FINITE if it gives no answer, else 0."""
+    head, steps, frames = work.head, work.steps, work.frames
     due = steps.done[LAST] + steps.period
     answered, number = due + steps.lead, due // steps.period
     row, output = row_of(steps, due), row_of_answer(steps, answered)
@@ -187,7 +204,7 @@ def _step(head: Any, steps: Any, frames: Any, tally: Any) -> int:
         if frames[output, n] - frames[output, n] != 0.0:
             return NOT_FINITE
     if head.tallied:
-        add_up_step(tally, number, frames[row], frames[output])
+        add_up_step(work.tally, number, frames[row], frames[output])
     steps.done[LAST] = due
     note_answer(steps, answered)
     head.taken += 1
@@ -195,22 +212,24 @@ def _step(head: Any, steps: Any, frames: Any, tally: Any) -> int:
 
 
 @compilable
-def _speak(head: Any, steps: Any, outputs: Any, runs: Any, frames: Any, memory: Any) -> None:
+def _publish(work: Work) -> None:
     """Publish the last answer, as far as it has subscribers."""
+    head, steps, outputs, memory = work.head, work.steps, work.outputs, work.memory
     stamp = steps.done[LAST] + steps.lead
     here = memory.words.ctypes.data
     for i in range(len(outputs)):
         call(head.rcl_count, outputs[i].publisher, here + 8 * head.count, 0, 0)
         if memory.words[head.count] != 0:
-            write_message(memory, outputs[i], runs, stamp, frames[row_of_answer(steps, stamp)])
+            write_message(memory, outputs[i], work.runs, stamp, work.frames[row_of_answer(steps, stamp)])
             call(head.rcl_publish, outputs[i].publisher, here + 8 * outputs[i].message, 0, 0)
     head.spoke = _wall_clock(head, memory)
 
 
 @compilable
-def _sleep(head: Any, subscription: int, memory: Any) -> bool:
+def _sleep(work: Work, subscription: int) -> bool:
     """Sleep until a message comes; False if there is none in time."""
-    left = min(head.patience, head.until - _wall_clock(head, memory))
+    head = work.head
+    left = min(head.patience, head.until - _wall_clock(head, work.memory))
     if left <= 0:
         return False
     call(head.rcl_clear, head.wait_set, 0, 0, 0)
@@ -265,18 +284,21 @@ def step(head, steps, inputs, outputs, runs, senders, frames, block, tally):
         carray(block, h.size // 4, np.float32),
     )
     return take_steps(
-        h,
-        Steps(
-            s[:3], s[3:{3 + ROWS}], s[{3 + ROWS}:], h.inputs, h.heralds, h.followed, h.period, h.lead, h.may_skip
-        ),
-        carray(inputs, h.topics, INPUT),
-        carray(outputs, h.publishers, OUTPUT),
-        carray(runs, h.runs, RUN),
-        carray(senders, (h.topics, h.senders, 2), np.int64),
-        carray(frames, ({ROWS + 2}, {SIZE}), np.float64),
-        memory,
-        carray(tally, {BLOCK}, np.int64),
+        Work(
+            h,
+            Steps(
+                s[:3], s[3:{3 + ROWS}], s[{3 + ROWS}:], h.inputs, h.heralds, h.followed, h.period, h.lead, h.may_skip
+            ),
+            carray(inputs, h.topics, INPUT),
+            carray(outputs, h.publishers, OUTPUT),
+            carray(runs, h.runs, RUN),
+            carray(senders, (h.topics, h.senders, 2), np.int64),
+            carray(frames, ({ROWS + 2}, {SIZE}), np.float64),
+            memory,
+            carray(tally, {BLOCK}, np.int64),
+        )
     )
 '''
 _RECORDS = {"LOOP": LOOP, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN}
-CODE = Code("node_steps", _TEXT, {**_RECORDS, "Memory": Memory, "Steps": Steps, "take_steps": take_steps})
+_TUPLES = {"Memory": Memory, "Steps": Steps, "Work": Work}
+CODE = Code("node_steps", _TEXT, {**_RECORDS, **_TUPLES, "take_steps": take_steps})

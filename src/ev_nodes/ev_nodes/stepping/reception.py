@@ -1,4 +1,4 @@
-"""What a message does in a node, apart from where it came from: judged, kept, stepped with, answered."""
+"""Reception of messages in a node, wherever they come from: judged, kept, stepped with, answered."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class Reception:
         self._stepper, self._reports, self._publish = stepper, reports, publish
         self.arrivals = dict.fromkeys(Arrival, 0)  # of messages that were not just kept
         self.refused = 0  # messages that could not be read, or that the topic table does not allow
-        self.ignored: dict[type, str] = {}  # by signal, what was reported of the first message that was of no use
+        self.ignored: dict[type, str] = {}  # by signal, the report on the first message that was of no use
         self._gaps: set[Topic] = set()
         self._joined_late = False
         self._new_master = b""
 
     def receiver(self, topic: Topic) -> Callable[[bytes], None]:
-        """A function that takes a message of a topic, steps if that completes the inputs, and answers."""
+        """Return a function that takes a message of a topic, steps if that completes the inputs, and answers."""
         kind, read, publish = topic.signal, format_of(topic.signal).read, self._publish
         stepper, inbox, new = self._stepper, self._stepper.inbox, Arrival.NEW
 
@@ -60,16 +60,16 @@ class Reception:
             )
 
     def note_new_master(self, gid: bytes) -> None:
-        """Report one whose first state is taken for that of the master before: it has the same stamp."""
+        """Report a new master at time zero: its first state has the stamp of that of the master before."""
         before, self._new_master = self._new_master, gid[:_PROCESS]
         if self._stepper.inbox.is_at_zero and self._new_master != before:
             self._reports.warn(
-                f"{MASTER} was started anew at 0 s, what it said there before may still count: "
+                f"{MASTER} was started again at 0 s, its earlier state of 0 s may still count: "
                 "the run is not reproducible before a reset"
             )
 
     def reader(self, topic: Topic) -> Callable[[bytes], tuple[int, Sequence[float]] | None]:
-        """A function that reads stamp and numbers of a message of a topic; None, and a report, if it is refused."""
+        """Return a function that reads stamp and numbers of a topic's message; None, and a report, if it is refused."""
         read = format_of(topic.signal).read
 
         def try_to_read(message: bytes) -> tuple[int, Sequence[float]] | None:
@@ -89,7 +89,7 @@ class Reception:
         self._reports.note(topic.name, text)
 
     def report_gap(self, topic: Topic, stamp: int) -> None:
-        """Report the first message of a topic whose stamp cannot belong to the run."""
+        """Report a message with a stamp that cannot belong to the run, once for each topic."""
         if topic in self._gaps:
             return
         self._gaps.add(topic)

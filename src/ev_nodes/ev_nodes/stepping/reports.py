@@ -17,8 +17,15 @@ from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.refusal import LINE, shown
 from ev_nodes.stepping.runner_line import NOTE, REMARK, WARNING, RunnerLine, Word
 
+HEALTH = "health"  # the end of the name of its status
+LOST = ".lost."  # in the names of state by which laws remember motors and sensors that they do not trust
+NOTED = "noted"  # key of a diagnostic value: a remark that is made once, and does not make a run less reproducible
 _AT_ONCE = Duration()
-_TO_BE_HEARD = 0.002  # s
+_TO_BE_HEARD = 0.002  # s between looks at whether all readers have acknowledged
+_PERIOD = 1.0  # s between reports of health
+_NAMED = 20  # different notes; more than these are dropped
+_PATIENCE = 1.0  # s for the last report to arrive
+_LOOK_PERIOD = 0.1  # s of wall time between looks at the notes of a part
 
 
 def wait_until_heard(publisher: Publisher, given_up: float, is_wanted: Callable[[], bool] = lambda: True) -> None:
@@ -30,13 +37,8 @@ def wait_until_heard(publisher: Publisher, given_up: float, is_wanted: Callable[
         time.sleep(_TO_BE_HEARD)
 
 
-HEALTH = "health"  # what the name of its status ends with
-LOST = ".lost."  # in the names of what laws keep of motors and sensors that they do not trust
-_PERIOD = 1.0  # s
-
-
 class Health:
-    """Looks at a stepped node; what it counts costs a step nothing."""
+    """Watches a stepped node by the numbers that it counts anyway."""
 
     def __init__(self, node: Any) -> None:
         self._node = node
@@ -54,7 +56,7 @@ class Health:
         self._node.reports.tell(HEALTH, f"{steps:.0f} steps/s", values)
 
     def counts(self) -> dict[str, Any]:
-        """What has been counted, the method, drive torque that is withheld [N m], motors and sensors taken for lost."""
+        """The method, counts of messages, withheld drive torque [N m], motors and sensors that are taken for lost."""
         node = self._node
         found = {
             "method": node.configuration.method.name,
@@ -75,14 +77,8 @@ class Health:
         return found
 
 
-NOTED = "noted"  # key of a diagnostic value: what is named once, and does not make a run less reproducible
-_NAMED = 20  # of what is noted; more than these are counted only
-_PATIENCE = 1.0  # s for the last report to arrive
-_LOOK_PERIOD = 0.1  # s of wall time between looks at what a part notes
-
-
 class Reports:
-    """Says each thing once, and passes on what a part notes of the run.
+    """Reports each thing once, and passes on the notes of a part on the run.
 
     The length of a report is bounded: all values of a parameter that was changed, or names of strangers, may be of any
     length, and the line to the runner takes no more than a socket does.
@@ -100,14 +96,14 @@ class Reports:
         self._next_look = 0.0
 
     def warn(self, text: str) -> None:
-        """Say something in the log and in /diagnostics: the run may not be reproducible."""
+        """Report in the log and in /diagnostics why the run may not be reproducible."""
         text = shown(text, LINE)
         self._node.get_logger().warning(text)
         self.runner.tell(Word(WARNING, text))
         self._diagnose(DiagnosticStatus.WARN, text)
 
     def note(self, what: str, text: str) -> None:
-        """Say, once of each node, topic or the like, what may cost time and changes no number, as refused messages."""
+        """Report, once of each node or topic, a thing that may cost time and changes no number: refused messages."""
         what, text = shown(what), shown(text, LINE)
         if what in self._noted or len(self._noted) >= _NAMED:
             return
@@ -118,19 +114,19 @@ class Reports:
         self._say_unheard()
 
     def _say_unheard(self) -> None:
-        """A node that has just begun may not have been found yet by those who listen."""
+        """Publish the notes that wait until a node that subscribes has found this one."""
         if self._unheard and self._publisher.get_subscription_count():
             for text, what in self._unheard:
                 self._diagnose(DiagnosticStatus.WARN, text, what)
             self._unheard.clear()
 
     def pass_on_now_and_then(self, part: Any) -> None:
-        """As `pass_on`, unless the last look was a moment ago: a part is asked much less often than it steps."""
+        """Call `pass_on`, unless the last look was a moment ago: a part is asked much less often than it steps."""
         if time.monotonic() >= self._next_look:
             self.pass_on(part)
 
     def pass_on(self, part: Any) -> None:
-        """Say what a part notes for the first time, as OK; a new part begins anew."""
+        """Report as OK each note of a part when it appears for the first time; a new part starts from none."""
         self._next_look = time.monotonic() + _LOOK_PERIOD
         self.runner.send_what_waits()
         self._say_unheard()
@@ -144,13 +140,13 @@ class Reports:
                 self._diagnose(DiagnosticStatus.OK, text)
 
     def tell(self, what: str, text: str, values: Mapping[str, Any]) -> None:
-        """Publish numbers about the run, if anybody listens; `what` distinguishes them from the reports."""
+        """Publish numbers about the run, if /diagnostics has subscribers; `what` ends the name of their status."""
         if self._publisher.get_subscription_count():
             more = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
             self._diagnose(DiagnosticStatus.OK, text, *more, name=f": {what}")
 
     def wait_until_heard(self) -> None:
-        """The last word of a process is lost if it ends too soon."""
+        """Wait for subscribers to receive the last report: it is lost if the process ends too soon."""
         wait_until_heard(self._publisher, time.monotonic() + _PATIENCE)
 
     def _diagnose(self, level: bytes, text: str, *more: KeyValue, name: str = "") -> None:

@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from ev_msgs_py.refusal import ParameterError, shown
 
 VARIABLE = "ROS_DOMAIN_ID"
-_LAST = 232  # whose ports still are ports
+_LAST = 232  # above it the numbers of its UDP ports leave 16 bits
 
 
 def given_domain(environment: Mapping[str, str]) -> int | None:
-    """The domain of ROS_DOMAIN_ID, None without it; ParameterError if it is none.
+    """The domain of ROS_DOMAIN_ID, None without it; ParameterError if it is not a domain.
 
     ROS would go on in domain 0 for -1, and in domain 1 for 1.5.
     """

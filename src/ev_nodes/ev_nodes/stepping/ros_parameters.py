@@ -71,7 +71,7 @@ def _sections(content: Any, space: str = "") -> Iterator[str]:
 
 
 def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """The same; ParameterError if a file chooses what only the command line or Python may.
+    """Values for a node, as `overrides`; ParameterError if a file chooses what only command line or Python may choose.
 
     That is code (a library, a law file), a network, and a log of the bus in a folder not below the working directory.
     """
@@ -89,7 +89,7 @@ def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _is_given(name: str, value: str, node_arguments: Mapping[str, Any]) -> bool:
-    """Whether this is from the command line (-p NAME:=VALUE) or from the program that makes the node."""
+    """Return whether a value is from the command line (-p NAME:=VALUE) or from the program that makes the node."""
     if any(each.name == name and each.value == value for each in node_arguments.get("parameter_overrides") or ()):
         return True
     words = [*sys.argv, *(node_arguments.get("cli_args") or ())]
@@ -98,7 +98,7 @@ def _is_given(name: str, value: str, node_arguments: Mapping[str, Any]) -> bool:
 
 
 def is_ros_own(name: str) -> bool:
-    """Whether ROS itself declares a parameter of this name in every node."""
+    """Return whether ROS itself declares a parameter of this name in every node."""
     return name.partition(".")[0] in OF_ROS
 
 
@@ -160,7 +160,7 @@ def follow(node: Node, entries: Sequence[Entry], take_over: Callable[[dict[str, 
         try:
             if given := _asked_for(changes):
                 take_over(given)
-        except Exception as error:  # also of a law that somebody has brought along
+        except Exception as error:  # also of a law of the user's
             return SetParametersResult(successful=False, reason=shown(str(error) or repr(error), LINE))
         return SetParametersResult(successful=True)
 

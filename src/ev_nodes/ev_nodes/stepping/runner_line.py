@@ -1,7 +1,7 @@
-"""The line of a node to the runner that has started it: a socket that both have inherited, and nobody else.
+"""The line of a node to the runner that has started it: a socket that only these two processes hold.
 
-Anybody on the graph can publish in the name of a node; only a child of the runner can write here. What is meant for
-everybody stands in /diagnostics as well.
+Any process on the graph can publish in the name of a node; only a child of the runner can write here. Reports for all
+tools are in /diagnostics as well.
 """
 
 from __future__ import annotations
@@ -15,9 +15,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-RUNNER_LINE = (
-    "EV_STACK_RUNNER_LINE"  # variable of the environment: file descriptor, process of the runner, key of the sums
-)
+# Variable of the environment: file descriptor, process of the runner, key of the sums.
+RUNNER_LINE = "EV_STACK_RUNNER_LINE"
 PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME_SERVICE, TIMING, TALLY = WORD_KINDS = (
     "progress",  # of the recorder: `values` has the stamp up to which the run is held [ns]
     "waits",  # `values` has the roles that a node waits for, and why, as far as it knows
@@ -31,7 +30,8 @@ PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME_SERVICE, TIMING, TALLY = WORD_KINDS
 _NEWEST_COUNTS = (PROGRESS, WAITS)  # of these kinds a word that waits is replaced by the next one
 _PATIENCE, _A_MOMENT = 1.0, 0.002  # s, for the last words to find room
 _LONGEST = 100_000  # bytes of a word
-_NO_ROOM = (errno.EAGAIN, errno.ENOBUFS, errno.ENOMEM)  # at the moment, for a word that is none too long
+_NO_ROOM = (errno.EAGAIN, errno.ENOBUFS, errno.ENOMEM)  # at the moment, for a word that is not too long
+_LASTS = 0.2  # s without a step until a node waits, and between two words about it
 
 
 @dataclass(frozen=True)
@@ -44,12 +44,12 @@ class Word:
     values: Mapping[str, Any] = field(default_factory=dict)
 
     def encoded(self) -> bytes:
-        """As JSON."""
+        """Return it as JSON."""
         return json.dumps(asdict(self)).encode()
 
     @classmethod
     def decoded(cls, message: bytes) -> Word:
-        """ValueError where it has another form."""
+        """Read a word from JSON; ValueError where it has another form."""
         try:
             word = cls(**json.loads(message))
         except (RecursionError, TypeError) as error:
@@ -68,7 +68,7 @@ class RunnerLine:
         self._waiting: dict[object, bytes] = {}
 
     def tell(self, word: Word) -> None:
-        """Say a word, now or, where the runner does not listen at the moment, a little later; never wait for it."""
+        """Send a word now or, while the socket is full, with a later call; never wait for the runner."""
         if self._socket is None:
             return
         self._waiting[word.kind if word.kind in _NEWEST_COUNTS else object()] = word.encoded()
@@ -89,7 +89,7 @@ class RunnerLine:
             del self._waiting[first]
 
     def close(self) -> None:
-        """Say the last words, and hang up."""
+        """Send the last words, and close the socket."""
         given_up = time.monotonic() + _PATIENCE
         self.send_what_waits()
         while self._waiting and time.monotonic() < given_up:
@@ -101,7 +101,7 @@ class RunnerLine:
 
 
 def _inherited() -> tuple[socket.socket | None, bytes]:
-    """The socket that the environment names, if it is one whose other end the runner has made, and the key."""
+    """The socket that the environment names, if the runner has made its other end, and the key."""
     number, _, rest = os.environ.get(RUNNER_LINE, "").partition(" ")
     runner, _, key = rest.partition(" ")
     try:
@@ -124,7 +124,7 @@ class ListeningEnd:
         self._ours.setblocking(False)
 
     def address(self, key: bytes) -> str:
-        """What the node finds in its environment."""
+        """Value of RUNNER_LINE in the environment of the node."""
         return f"{self.theirs.fileno()} {os.getpid()} {key.hex()}"
 
     def heard(self) -> list[bytes]:
@@ -140,12 +140,9 @@ class ListeningEnd:
             messages.append(message)
 
     def close(self) -> None:
-        """Hang up; of the node's end a process that was started has a copy."""
+        """Close both ends; a process that was started has its copy of the node's end."""
         self._ours.close()
         self.theirs.close()
-
-
-_LASTS = 0.2  # s without a step until a node waits, and between two words
 
 
 class Waiting:
@@ -157,7 +154,7 @@ class Waiting:
         self._next = 0.0  # when there is something to report
 
     def look(self, at: object, whom: Iterable[str], why: Callable[[], list[str]] = list) -> None:
-        """`at` is where the node is; the roles that it waits for, and why, matter where that stays."""
+        """Report the roles that the node waits for, and why, if it has been at the same place `at` for a while."""
         now = time.monotonic()
         if at != self._at:
             self._at, self._next = at, now + _LASTS

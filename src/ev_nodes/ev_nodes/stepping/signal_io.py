@@ -1,4 +1,9 @@
-"""Frames to topics and back: what publishes and receives a signal, and which publisher of a topic is admitted."""
+"""Frames to topics and back: publisher and subscription of a signal, and the one publisher that is admitted.
+
+How it works: a topic of the graph belongs to one role. A message counts only if its publisher, by the identity that the
+middleware gives to it, belongs to the node of that role in our namespace. The look-up in the graph is slow, so that the
+identity which was admitted is remembered, and a refused one is looked up again only after a while.
+"""
 
 from __future__ import annotations
 
@@ -21,12 +26,17 @@ from ev_msgs_py.wire import format_of
 from ev_nodes.node_loop.ordinary_steps import End
 from ev_nodes.stepping.taking import taker_of
 
+NAMELESS = "_UNKNOWN_"  # in the names that the middleware gives to nodes that it cannot name yet
+QUALITY = QoSProfile(depth=QUEUE_DEPTH)  # reliable, volatile, keep last
+HELD = 20 * QUEUE_DEPTH  # messages, until they are taken; those of strangers shall not displace the others
+_HEARD = QoSProfile(depth=HELD)
 _SOON, _LATER = 0.01, 0.2  # s of wall time between looks into the graph for a sender: not known yet, refused
-_KEPT = 100  # senders whose last look-up is remembered
-NAMELESS = "_UNKNOWN_"  # in the names that the middleware gives to what it knows no name of
+_KEPT = 100  # senders that are remembered with the time of their next look-up
 _LONG = 3.0  # s for the graph to name the node of a publisher
+_NO_IDENTITY = {"data": b""}
 
-Refuse = Callable[[str, str], None]  # is given the node that is refused, and a line about it
+SubscriptionHandle: TypeAlias = rclpy_implementation.Subscription  # wrapped by rclpy's Subscription
+Refuse = Callable[[str, str], None]  # called with the node that is refused, and a line about it
 Succeeded = Callable[[bytes], None]
 
 
@@ -34,16 +44,16 @@ class Judge(Protocol):
     """Decides which publishers are admitted."""
 
     def admits(self, info: Mapping[str, Any]) -> bool:
-        """Whether a message with this information, as rclpy gives it, is taken."""
+        """Return whether a message with this information, as rclpy gives it, is taken."""
 
 
 class Speaker:
     """Admits the messages of one publisher: of the node with this name, in the namespace of the node that listens.
 
-    Every other publisher on the topic is counted in `refused`, and `refuse` is called when it is looked up. Two
-    nodes with the name that is allowed cannot be distinguished: neither is admitted, unless one has been already. When
-    the publisher that was admitted leaves the graph, another one, such as that of a restarted node, may take its place;
-    `succeeded` is given its identity then.
+    Messages of every other publisher on the topic are counted in `refused`, and `refuse` is called when one is looked
+    up. Two nodes with the allowed name cannot be distinguished: neither is admitted, unless one has been already. When
+    the admitted publisher leaves the graph, another one, such as that of a restarted node, may take its place;
+    `succeeded` is called with its identity then.
     """
 
     def __init__(
@@ -52,14 +62,14 @@ class Speaker:
         self._node, self._topic, self._refuse = node, node.resolve_topic_name(topic), refuse
         self._allowed = f"{node.get_namespace().rstrip('/')}/{name}"
         self.admitted: bytes | None = None
-        self._succeeded = succeeded
+        self.succeeded = succeeded
         self._next_look: dict[bytes, float] = {}  # when senders that are not admitted are looked up again
         self._nameless_since: float | None = None
         self.refused = 0
 
     def admits(self, info: Mapping[str, Any]) -> bool:
-        """Whether a message with this information, as rclpy gives it, is of the admitted publisher."""
-        gid: bytes = (info.get("publisher_gid") or _UNTOLD)["data"]
+        """Return whether a message with this information, as rclpy gives it, is of the admitted publisher."""
+        gid: bytes = (info.get("publisher_gid") or _NO_IDENTITY)["data"]
         if gid == self.admitted and gid:
             return True
         now = time.monotonic()
@@ -70,7 +80,7 @@ class Speaker:
             if self._may_speak(gid):
                 before, self.admitted = self.admitted, gid
                 if before and gid and before != gid:  # an empty one is no other publisher
-                    self._succeeded(gid)
+                    self.succeeded(gid)
             elif gid == self.admitted:
                 self.admitted = None
         if gid == self.admitted:
@@ -79,10 +89,10 @@ class Speaker:
         return False
 
     def _may_speak(self, gid: bytes) -> bool:
-        """Whether a publisher is the only one of its name; one whose node is not known yet may be admitted later.
+        """Return whether a publisher is the only one of its name; as long as its node is not known, it is not.
 
-        Where the sender of a message is not known (an empty `gid`: in executors of rclpy), it is
-        believed as long as nobody else could have.
+        Where the sender of a message is not known (an empty `gid`: in executors of rclpy), it is believed as long as
+        the topic has no other publisher.
         """
         there = {
             bytes(end.endpoint_gid): f"{end.node_namespace.rstrip('/')}/{end.node_name}"
@@ -102,7 +112,7 @@ class Speaker:
         return allowed == [gid] if gid else len(there) == len(allowed) == 1
 
     def _note_nameless(self, name: str) -> None:
-        """A sender whose node the graph does not name is not admitted; where that lasts, it is reported."""
+        """Report a sender on the topic if the graph has not been able to name its node for a long time."""
         if NAMELESS not in name:
             self._nameless_since = None
             return
@@ -110,16 +120,7 @@ class Speaker:
         if self._nameless_since is None:
             self._nameless_since = now
         elif now - self._nameless_since > _LONG:
-            self._refuse(NAMELESS, f"a sender on {self._topic} is not heard: the graph does not tell whose node it is")
-
-
-_UNTOLD = {"data": b""}
-
-
-SubscriptionHandle: TypeAlias = rclpy_implementation.Subscription  # what rclpy's Subscription wraps
-QUALITY = QoSProfile(depth=QUEUE_DEPTH)  # reliable, volatile, keep last
-HELD = 20 * QUEUE_DEPTH  # messages, until they are taken; those of strangers shall not displace the others
-_HEARD = QoSProfile(depth=HELD)
+            self._refuse(NAMELESS, f"a sender on {self._topic} is not admitted: the graph does not name its node")
 
 
 class SignalWriter:
@@ -144,20 +145,22 @@ class SignalWriter:
 
 
 class PolledGroup(MutuallyExclusiveCallbackGroup):
-    """Subscriptions that executors leave alone while `spinning.spin` takes their messages, and who has sent them."""
+    """Subscriptions that executors leave alone while `spinning.spin` takes their messages with their senders."""
 
     polled = False
 
     def can_execute(self, entity: Any) -> bool:
-        """Whether an executor may take what has come."""
+        """Return whether an executor may take a message that has come."""
         return not self.polled and super().can_execute(entity)
 
 
 class Reader:
-    """Receives a topic from its admitted publisher, from everybody without a `speaker`.
+    """Receives a topic from its admitted publisher, from any publisher without a `speaker`.
 
     Serialized messages go to `receive` if an executor takes them, else to the caller of `take`.
     """
+
+    quality = _HEARD  # a subclass may receive by another one
 
     def __init__(
         self,
@@ -166,11 +169,16 @@ class Reader:
         name: str,
         receive: Callable[[bytes], None],
         speaker: Judge | None,
-        quality: QoSProfile = _HEARD,
     ) -> None:
-        self.receive, self.speaker = receive, speaker
+        self.receive = receive
+        self.speaker = speaker
         self._subscription = node.create_subscription(
-            message_class, name, self._receive_from_executor, quality, callback_group=PolledGroup(), raw=True
+            message_class,
+            name,
+            self._receive_from_executor,
+            self.quality,
+            callback_group=PolledGroup(),
+            raw=True,
         )
         self.handle: SubscriptionHandle = self._subscription.handle
         self._take = taker_of(self.handle, message_class)
@@ -182,7 +190,7 @@ class Reader:
         return None if taken is None else taken[0]
 
     def take_with_time(self, patience: int = QUEUE_DEPTH) -> tuple[bytes, int] | None:
-        """The same, with the wall time at which the middleware received it [ns]."""
+        """Take the next message, with the wall time at which the middleware received it [ns]."""
         for _ in range(patience):  # a sender that is faster than it is refused shall not keep the node from all else
             taken = self._take()
             if taken is None:
@@ -193,35 +201,29 @@ class Reader:
         return None
 
     def judge(self, message: bytes, info: Mapping[str, Any]) -> bool:
-        """Receive a message if the publisher that the information names is admitted; whether it is."""
+        """Receive a message if the publisher that the information names is admitted; False if it is not."""
         admitted = self.speaker is None or self.speaker.admits(info)
         if admitted:
             self.receive(message)
         return admitted
 
     def _receive_from_executor(self, message: bytes) -> None:
-        """Not every executor passes on the sender of a message."""
+        """Receive a message without its sender, which not every executor passes on."""
         self.judge(message, {})
 
 
 class SignalReader(Reader):
     """Receives a signal from the node of the role that writes it; `refuse` is called for others that publish it.
 
-    `succeeded` is called when that node has been started anew (`Speaker`).
+    `succeeded` of its speaker is called when that node has been started again.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        topic: Topic,
-        receive: Callable[[bytes], None],
-        refuse: Refuse,
-        quality: QoSProfile = _HEARD,
-        succeeded: Succeeded = lambda _: None,
-    ) -> None:
-        speaker = Speaker(node, topic.name, WRITERS.get(topic.signal, RECORDER), refuse, succeeded)
+    speaker: Speaker
+
+    def __init__(self, node: Node, topic: Topic, receive: Callable[[bytes], None], refuse: Refuse) -> None:
+        speaker = Speaker(node, topic.name, WRITERS.get(topic.signal, RECORDER), refuse)
         self._format = format_of(topic.signal)
-        super().__init__(node, self._format.message_class, topic.name, receive, speaker, quality)
+        super().__init__(node, self._format.message_class, topic.name, receive, speaker)
 
     @property
     def end(self) -> End:

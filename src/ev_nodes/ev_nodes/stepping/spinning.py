@@ -26,6 +26,9 @@ from ev_msgs_py.refusal import LINE, shown
 from ev_nodes.stepping.signal_io import PolledGroup, SubscriptionHandle
 from ev_nodes.stepping.time_of_day import Alarm
 
+_SERVICE_PERIOD = 0.05  # s between looks at services
+_SWEEP_PERIOD = 0.01  # s between looks at all subscriptions: at least, and twice that at most
+
 
 class Refusing:
     """The callback of a service; where it raises, the answer has the reason, if its type has a place for that."""
@@ -40,7 +43,7 @@ class Refusing:
             for parameter in getattr(request, "parameters", ()):
                 Parameter.from_parameter_msg(parameter)  # before any is set: rclpy finds a type that is none on its way
             return self._callback(request, response)
-        except Exception as error:  # whatever it is: others wait for this node
+        except Exception as error:  # of any kind: other nodes wait for this one
             reason = shown(f"refused: {error}", LINE)
             self._logger.error(reason)
             return self._refusal(request, reason)
@@ -59,24 +62,20 @@ class Refusing:
 
 
 def refuse_what_raises(node: Node) -> None:
-    """Let all services of a node answer whatever is asked; those that do already stay as they are."""
+    """Let all services of a node answer any request; those that do already stay as they are."""
     for service in node.services:
         if not isinstance(service.callback, Refusing):
             service.callback = Refusing(service, node)
 
 
-_SERVICE_PERIOD = 0.05  # s between looks at services
-_SWEEP_PERIOD = 0.01  # s between looks at everything: at least, and twice that at most
-
-
 class Spinnable:
-    """What `spin` asks of a node; lower polling places come first. By default no message wakes it up."""
+    """A node that `spin` can run; lower polling places come first. By default no message wakes it up."""
 
     polling_place = len(ROLES)  # behind the roles
-    done = False  # whether its process may end
+    done = False  # True once its process may end
 
     def poll(self) -> bool:
-        """Take what is waited for; False if nothing was there."""
+        """Take the messages that its next step waits for; False if none was there."""
         raise NotImplementedError
 
     def take_steps(self, until: float, guard: int) -> bool:
@@ -98,10 +97,10 @@ class Spinnable:
         raise NotImplementedError
 
     def idle(self) -> None:
-        """There was nothing to take."""
+        """Use the time in which there was nothing to take."""
 
     def close(self) -> None:
-        """The process ends."""
+        """Send what is left before the process ends."""
 
     def every(self: Any, period: float, call: Callable[[], object]) -> None:
         """Call a function by the wall clock, in any executor: rclpy's own executors know nothing but timers."""
@@ -117,7 +116,8 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
         refuse_what_raises(node)
         executor.add_node(node)
     services = [service for node in in_order for service in node.services]
-    alone = len(in_order) == 1  # who has stepped waits for others; nodes of one process wait for each other first
+    # A node that has stepped waits for others, and may sleep; nodes of one process wait for each other first.
+    alone = len(in_order) == 1
     next_look, next_sweep, came = 0.0, 0.0, True
     _take_over(in_order, True)
     with Alarm(in_order[0], executor.wake) as alarm:
@@ -137,8 +137,8 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
             came = False
             for node in in_order:
                 came |= node.poll()
-            # Where strangers wake it up all the time, a node need not look each time for what nobody waits for; but
-            # where something always comes, such as answers that are repeated, it must look now and then all the same.
+            # Where strangers wake it up all the time, a node need not look each time at messages that no step waits
+            # for; but where messages always come, such as repeated answers, it must look now and then all the same.
             late = time.monotonic() - next_sweep
             if late >= (0.0 if rested and not came else _SWEEP_PERIOD):
                 next_sweep = time.monotonic() + _SWEEP_PERIOD

@@ -31,15 +31,13 @@ from ev_nodes.stepping.runner_line import TALLY, Waiting, Word
 from ev_nodes.stepping.signal_io import SignalReader, SignalWriter, SubscriptionHandle
 from ev_nodes.stepping.spinning import Spinnable
 
-_LOOK_PERIOD = 0.02  # s of wall time between looks for what nobody waits for: repetitions of messages
-
-
+_LOOK_PERIOD = 0.02  # s of wall time between looks for messages that no step waits for: repetitions
 _CURRENT_AND_FUTURE = 1 | 2  # of mlockall
 _POLLING_ORDER = polling_order(ROLES, MASTER)
 
 
 class SteppedNode(Spinnable, Node):
-    """Plays a role: steps its part once per stamp and answers with the same stamp; how it is run, see `spinning`.
+    """Plays a role: steps its part once per stamp and answers with the same stamp; `spinning` runs it.
 
     ParameterError or ValueError if the parameters that it is given are refused; the node does not exist then.
     """
@@ -65,17 +63,12 @@ class SteppedNode(Spinnable, Node):
         self.reception = Reception(self.stepper, self.reports, self.publish)
         writes = sorted(configuration.method.writes, key=arrival_place)
         self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in writes}
-        masters = {signal for signal, writer in WRITERS.items() if writer == MASTER}
-        self.readers = {
-            signal: SignalReader(
-                self,
-                TOPICS[signal],
-                self.receiver(TOPICS[signal]),
-                self.reports.note,
-                succeeded=self.reception.note_new_master if signal in masters else lambda _: None,
-            )
-            for signal in self.also_reads(self.stepper.reads)
-        }
+        self.readers: dict[type, SignalReader] = {}
+        for signal in self.also_reads(self.stepper.reads):
+            reader = SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal]), self.reports.note)
+            if WRITERS.get(signal) == MASTER:
+                reader.speaker.succeeded = self.reception.note_new_master
+            self.readers[signal] = reader
         self.health = Health(self)
         self._waiting = Waiting(self.reports.runner)
         for lacking in ask_for(configuration.common):
@@ -86,11 +79,11 @@ class SteppedNode(Spinnable, Node):
 
     @property
     def realtime(self) -> bool:
-        """Whether the wall clock drives the graph, so that steps may be skipped."""
+        """True if the wall clock drives the graph, so that steps may be skipped."""
         return self.configuration.common.mode == "realtime"
 
     def new_part(self, configuration: Configuration, may_wait: bool = True) -> Part:
-        """What plays the role, at rest, compiled first where that `may_wait`; ValueError if it cannot."""
+        """A part that plays the role, at rest, compiled first where that `may_wait`; ValueError if it cannot."""
         return part_of(configuration, compiled=is_compiled(configuration, may_wait))
 
     def also_reads(self, reads: tuple[type, ...]) -> tuple[type, ...]:
@@ -98,7 +91,7 @@ class SteppedNode(Spinnable, Node):
         return reads
 
     def receiver(self, topic: Topic) -> Callable[[bytes], None]:
-        """What takes the serialized messages of a topic."""
+        """Function that takes the serialized messages of a topic."""
         return self.reception.receiver(topic)
 
     def publish(self, answer: Answer) -> None:
@@ -108,7 +101,7 @@ class SteppedNode(Spinnable, Node):
         self.reports.pass_on_now_and_then(self.stepper.part)
 
     def successor(self, configuration: Configuration, changed: Iterable[str] = ()) -> Part:
-        """What goes on with other parameters; the state lasts, of one that has published: before that there is none."""
+        """Part that goes on with other parameters; it takes over the state of a part that has published already."""
         part = self.new_part(configuration, may_wait=not self.realtime)
         if self.stepper.answer is not None:
             hand_over(self.stepper.part, part, changed)
@@ -138,12 +131,12 @@ class SteppedNode(Spinnable, Node):
         self._waiting.look(at, whom, lambda: self.why_it_waits(missing) if missing else [])
 
     def why_it_waits(self, missing: tuple[type, ...]) -> list[str]:
-        """What is wrong with the messages of these signals that have come."""
+        """List what is wrong with the messages of these signals that have arrived."""
         ignored = self.reception.ignored
         return [ignored[signal] for signal in missing if signal in ignored]
 
     def close(self) -> None:
-        """Report what the part notes of its last steps, and the sums of inputs and outputs as far as they are added."""
+        """Report the notes of the part on its last steps, and the sums of inputs and outputs where they are added."""
         stepper = self.stepper
         if stepper.answer is not None:
             self.reports.pass_on(stepper.part)
@@ -176,7 +169,10 @@ class SteppedNode(Spinnable, Node):
         return self._take_ordinary(until, self.wake_up_within(), guard) is not None
 
     def _take_ordinary(self, until: float, patience: float, guard: int) -> bool | None:
-        """The same up to the first pause of `patience` seconds; whether anything has come, None if it cannot."""
+        """Take ordinary steps up to the first pause of `patience` seconds.
+
+        It returns whether a message has come, None if compiled code cannot take these steps.
+        """
         limit, ordinary = self.free_until(), self._ordinary
         if limit < 0 or ordinary is None:
             return None
@@ -202,7 +198,7 @@ class SteppedNode(Spinnable, Node):
         self.reports.pass_on_now_and_then(self.stepper.part)
 
     def sweep(self) -> None:
-        """Take everything: what nobody waits for are repetitions, by which others ask for an answer that they miss."""
+        """Take all messages: by a repetition, which no step waits for, another node asks for an answer again."""
         for reader in self.readers.values():
             while (message := reader.take()) is not None:
                 reader.receive(message)

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM as a wish that the program looks at when it suits, between two steps."""
+"""Ctrl-C and SIGTERM as a request that the program looks at between two steps."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ STOPPED = 130  # the status that shells know of a command that Ctrl-C has ended
 
 _A_MOMENT = 0.001  # s
 
-
-_INTERRUPTS: list[int] = []  # those that came as KeyboardInterrupt
+KEPT: list[object] = []  # objects that must not be destroyed: while there are any, a command leaves Python's end out
+_INTERRUPTS: list[int] = []  # signals that came as KeyboardInterrupt
 
 
 def hold_back() -> None:
@@ -30,7 +30,7 @@ def hold_back() -> None:
 
 
 def let_in() -> None:
-    """Let in what has been held back, by us or by who has started us."""
+    """Let in the signals that we or our parent process have held back."""
     signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
 
 
@@ -66,12 +66,9 @@ def end(code: int | str | None) -> NoReturn:
     os._exit(1 if isinstance(code, str) and code else int(code or 0))
 
 
-KEPT: list[object] = []  # what must not be destroyed: while something is here, a command leaves Python's own end out
-
-
 @contextmanager
 def loading() -> Iterator[None]:
-    """In the block, which imports modules and has nothing to clean up, these signals end the process at once."""
+    """Let these signals end the process at once while the block imports modules, with nothing to clean up."""
     handled = [kind for kind in _SIGNALS if callable(signal.getsignal(kind))]  # in the background Ctrl-C is ignored
     before = {kind: signal.signal(kind, end_stopped) for kind in handled}
     try:
@@ -88,14 +85,14 @@ def interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def was_interrupted() -> bool:
-    """Whether an interrupt came; it may show as another error, as behind a callback from C."""
+    """Return whether an interrupt came; it may show as another error, as behind a callback from C."""
     return bool(_INTERRUPTS)
 
 
 def interrupt_destructors() -> None:
-    """Let Ctrl-C end the program where it meets a destructor, too: Python would print a traceback and go on.
+    """Let Ctrl-C end the program also where it meets a destructor: Python would print a traceback and go on.
 
-    Nor is there a traceback where what an interrupt has left half-made cannot be destroyed.
+    Nor is there a traceback where an object that an interrupt has left half-made cannot be destroyed.
     """
     report = sys.unraisablehook
 

@@ -22,16 +22,14 @@ from ev_nodes.node_loop.steps import GID
 
 Taken = tuple[bytes, Mapping[str, Any]]
 
-_RECEIVED, _NUMBER = (
-    1,
-    2,
-)  # words of the information on a message: the time of its reception [ns], its publisher's number
+# Words of the information on a message: the time of its reception [ns], its publisher's number.
+_RECEIVED, _NUMBER = 1, 2
 _RCL_TAKE = ctypes.PYFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 4)
 
 
 def taker_of(handle: Any, message_class: type) -> Callable[[], Taken | None]:
-    """Return what takes the next message of a subscription of rclpy, and its information as rclpy 9 gives it."""
-    if not addresses():  # on a system that names its libraries differently: what rclpy knows
+    """Return a function that takes the next message of a subscription, and its information as rclpy 9 gives it."""
+    if not addresses():  # on a system that names its libraries differently: rclpy's own way
         return partial(handle.take_message, message_class, True)
     return _Taker(handle)
 

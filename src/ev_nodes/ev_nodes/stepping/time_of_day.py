@@ -1,13 +1,13 @@
-"""What the time of day may not do, and an alarm that ends waits which a clock set back has made too long.
+"""Time of day: a date that the middleware cannot send, and an alarm for a clock that was set back.
 
-Ends waits of the middleware that would otherwise last for as long as the time of day was set back.
-Where it was built for a C library that can wait by the time of day only, as the wheels of PyPI are, it adds time-outs
-to that: a wait of a millisecond lasts an hour longer if the clock is set back by an hour just then. Our own waits are
-ended by a guard condition. The thread that announces a process to others, and repeats what they have not received,
-begins to wait anew when a timer is made, as for a publisher.
+How it works: the middleware's waits can last for as long as the time of day was set back. Where it was built for a C
+library that can wait by the time of day only, as the wheels of PyPI are, it adds time-outs to that: a wait of a
+millisecond lasts an hour longer if the clock is set back by an hour just then. The alarm ends our own waits by a guard
+condition. The middleware's thread, which announces a process to others and repeats lost messages, restarts its wait
+when a timer is made, as for a publisher. So the alarm makes a publisher.
 
-With a publisher a process also announces anew what it consists of. Between senders, the middleware finds by the
-time of day what has arrived, and may lose something where that was set back: it is announced several times.
+With a publisher a process also announces its parts again. The middleware orders arrivals of different senders by the
+time of day, and may lose a message where that was set back: so the alarm makes several publishers, one after the other.
 """
 
 from __future__ import annotations
@@ -27,7 +27,9 @@ from rclpy.node import Node
 from rclpy.utilities import get_rmw_implementation_identifier
 
 _LAST = 2**31 - 1  # s since 1970
-_SET_BACK = 1_000_000  # ns: waits that last longer by less than that are nobody's trouble
+_SET_BACK = 1_000_000  # ns: a wait that is longer by less than that does no harm
+_PERIOD = 0.02  # s between looks at the clocks
+_AGAIN = (0.0, 0.5, 2.0)  # s after the time of day was set back, when a publisher is made
 
 
 def too_late() -> str | None:
@@ -36,7 +38,7 @@ def too_late() -> str | None:
     if now <= _LAST or not get_rmw_implementation_identifier().startswith("rmw_fastrtps"):
         return None
     here, last = (time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(instant)) for instant in (now, _LAST))
-    return f"the time of day: {here} UTC is past what Fast DDS can send; allowed: up to {last}, or another middleware"
+    return f"the time of day: {here} UTC is past what Fast DDS can send, expected up to {last}, or another middleware"
 
 
 def refuse_late_time_of_day() -> None:
@@ -47,31 +49,27 @@ def refuse_late_time_of_day() -> None:
 
 
 def ahead() -> int:
-    """How far the time of day is ahead of the monotonic clock [ns]."""
+    """Time by which the time of day is ahead of the monotonic clock [ns]."""
     return time.time_ns() - time.monotonic_ns()
 
 
 class SetBack:
-    """Sees the time of day being set back, from look to look; the first is at `before`, as `ahead` gave it."""
+    """Detects between two looks that the time of day was set back; `before` is what `ahead` gave first."""
 
     def __init__(self, before: int) -> None:
         self._before = before
 
     def is_seen(self) -> bool:
-        """Whether it was set back since the last look."""
+        """Return whether it was set back since the last look."""
         before, self._before = self._before, ahead()
         return self._before < before - _SET_BACK
 
 
-_PERIOD = 0.02  # s between looks at the clocks
-_AGAIN = (0.0, 0.5, 2.0)  # s after the time of day was set back
-
-
 class Alarm:
-    """When the time of day has been set back it triggers its `guard`, which every wait of ours includes.
+    """Triggers its `guard`, which every wait of ours includes, when the time of day has been set back.
 
-    It calls `wake`, too, for an executor: even to look without waiting that waits for no time. It watches in its `with`
-    block, within the life of the node.
+    It calls `wake` as well, for an executor: even a look without waiting is a wait for no time there. It watches in its
+    `with` block, within the life of the node.
     """
 
     def __init__(self, node: Node, wake: Callable[[], object] = lambda: None) -> None:
@@ -102,7 +100,7 @@ class Alarm:
                 self._speak_up()
 
     def _speak_up(self) -> None:
-        """On a topic on which every node may publish; where ROS has just been shut down nobody waits any more."""
+        """Make a publisher on a topic of every node; where ROS has just been shut down there is no wait to end."""
         with suppress(RuntimeError, NotInitializedException):
             silent = PublisherEventCallbacks(use_default_callbacks=False)
             publisher = self._node.create_publisher(ParameterEvent, "/parameter_events", 1, event_callbacks=silent)
