@@ -33,19 +33,24 @@ from ev_nodes.stepping.time_of_day import refuse_late_time_of_day, too_late
 
 
 def security_is_asked_for(environment: Mapping[str, str]) -> bool:
-    """Return whether ROS 2 shall encrypt and authenticate; ROS takes nothing but the word true for that."""
+    """Return whether ROS 2 shall encrypt and authenticate.
+
+    ROS takes nothing but the word true for that.
+    """
     return environment.get("ROS_SECURITY_ENABLE") == "true"
 
 
 def refuse_weak_security(environment: Mapping[str, str]) -> None:
     """RuntimeError where security is asked for in a way in which ROS 2 would quietly do without it.
 
-    With Enforce a node without keys, or with a middleware that was built without security, cannot be made: the line
-    of that error names what it lacks.
+    With Enforce a node without keys, or with a middleware that was built without security, cannot
+    be made: the line of that error names what it lacks.
     """
     enabled = environment.get("ROS_SECURITY_ENABLE", "false")
     if enabled not in ("true", "false"):
-        raise RuntimeError(f"ROS_SECURITY_ENABLE: {quoted(enabled)} counts as no security, expected true or false")
+        raise RuntimeError(
+            f"ROS_SECURITY_ENABLE: {quoted(enabled)} counts as no security, expected true or false"
+        )
     strategy = environment.get("ROS_SECURITY_STRATEGY", "Permissive")
     if enabled == "true" and strategy != "Enforce":
         raise RuntimeError(
@@ -53,10 +58,13 @@ def refuse_weak_security(environment: Mapping[str, str]) -> None:
             "with ROS_SECURITY_ENABLE=true"
         )
     if enabled == "true" and not environment.get("ROS_SECURITY_KEYSTORE"):
-        raise RuntimeError("ROS_SECURITY_KEYSTORE: '' with ROS_SECURITY_ENABLE=true, expected the folder of the keys")
+        raise RuntimeError(
+            "ROS_SECURITY_KEYSTORE: '' with ROS_SECURITY_ENABLE=true, expected the folder of the keys"
+        )
 
 
-# What rclpy raises where the middleware cannot do something, or a library of messages cannot be loaded.
+# What rclpy raises where the middleware cannot do something, or a library of messages cannot be
+# loaded.
 OF_ROS = (RuntimeError, UnsupportedTypeSupport)
 
 
@@ -85,14 +93,17 @@ def hidden_node(name: str, context: Context | None) -> Node:
 def given_parameters(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
     """The parameters given to a node of this name, from which a role's `make` learns which node to make.
 
-    The node must be made within the block. A context leaves the graph with its last node, and when a process leaves
-    while others are finding each other, Fast DDS may lock one of these up for ever: removing what has left waits for
-    its thread of timed events, which waits to announce itself. So another node stays meanwhile, under a hidden name,
-    for the graph mixes up what belongs to two nodes of one name.
+    The node must be made within the block. A context leaves the graph with its last node, and when
+    a process leaves while others are finding each other, Fast DDS may lock one of these up for
+    ever: removing what has left waits for its thread of timed events, which waits to announce
+    itself. So another node stays meanwhile, under a hidden name, for the graph mixes up what
+    belongs to two nodes of one name.
     """
     stays = hidden_node(name, node_arguments.get("context"))
     try:
-        asked = Node(name, automatically_declare_parameters_from_overrides=True, **_QUIET, **node_arguments)
+        asked = Node(
+            name, automatically_declare_parameters_from_overrides=True, **_QUIET, **node_arguments
+        )
         try:
             given = ros_parameters.overrides(asked)
         finally:
@@ -103,7 +114,10 @@ def given_parameters(name: str, **node_arguments: Any) -> Iterator[dict[str, Any
 
 
 def run_role(role: str) -> None:
-    """Play a role until the run is over or the process is asked to stop; exit status 1 and one line on bad input."""
+    """Play a role until the run is over or the process is asked to stop.
+
+    Exit status 1 and one line on bad input.
+    """
     run_node(role, lambda: make_node(role))
 
 
@@ -117,7 +131,10 @@ Parameters: docs/parameters.md; of a running node: ev-stack param get {name}."""
 
 
 def run_node(name: str, make: Callable[[], Any]) -> None:
-    """Make a node, spin it, and turn refused input into one line and exit status 1; no signal counts behind that."""
+    """Make a node, spin it, and turn refused input into one line and exit status 1.
+
+    No signal counts behind that.
+    """
     with StopRequest() as stop:
         node, trouble = None, ""
         try:
@@ -126,14 +143,20 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
                 print(_USAGE.format(name=name))
                 end("")
             if others:  # ROS would silently ignore them: no --ros-args before them
-                raise ValueError(f"unknown argument {quoted(others[0])}; options of a node follow --ros-args")
+                raise ValueError(
+                    f"unknown argument {quoted(others[0])}; options of a node follow --ros-args"
+                )
             refuse_weak_security(os.environ)
             refuse_late_time_of_day()
-            rclpy.init(domain_id=given_domain(os.environ), signal_handler_options=SignalHandlerOptions.NO)
+            rclpy.init(
+                domain_id=given_domain(os.environ), signal_handler_options=SignalHandlerOptions.NO
+            )
             node = make()
             own = node.get_name()
             if own != name and name in (*ROLES, RECORDER):  # no node would take its messages
-                raise ValueError(f"__node: {quoted(own)} is refused, expected {name}, as the others know it")
+                raise ValueError(
+                    f"__node: {quoted(own)} is refused, expected {name}, as the others know it"
+                )
             if SILENTLY not in os.environ:  # a runner knows by itself
                 node.get_logger().info(f"ready, in ROS domain {node.context.get_domain_id()}")
             try:
@@ -147,8 +170,8 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
         leave(node, trouble)
 
 
-# Argument of ROS for the nodes of a run and for commands: what they log is in the output folder or in the terminal, and
-# ROS's own log file would need a home folder that can be written.
+# Argument of ROS for the nodes of a run and for commands: what they log is in the output folder or
+# in the terminal, and ROS's own log file would need a home folder that can be written.
 NO_LOG_FILE = "--disable-external-lib-logs"
 SILENTLY = "EV_STACK_LEAVE_SILENTLY"  # variable of the environment: a runner sets it for its nodes
 
@@ -156,11 +179,12 @@ SILENTLY = "EV_STACK_LEAVE_SILENTLY"  # variable of the environment: a runner se
 def leave(node: Any, trouble: str) -> NoReturn:
     """End the process, with status 1 and a line on stderr if there was trouble. No signal counts from here on.
 
-    A node of a runner removes only its subscriptions from the graph, so that no node waits until it has received
-    something: all nodes end together, and a process that reads a publisher which is just being removed holds a lock of
-    Fast DDS and waits for its own thread of timed events. If that thread is about to announce its process, and waits
-    for the lock, the process is locked up for ever (https://github.com/eProsima/Fast-DDS/issues/6502). Other nodes
-    drop the rest when its lease is over, after 4 s. Any other node removes all that it has.
+    A node of a runner removes only its subscriptions from the graph, so that no node waits until it
+    has received something: all nodes end together, and a process that reads a publisher which is
+    just being removed holds a lock of Fast DDS and waits for its own thread of timed events. If
+    that thread is about to announce its process, and waits for the lock, the process is locked up
+    for ever (https://github.com/eProsima/Fast-DDS/issues/6502). Other nodes drop the rest when its
+    lease is over, after 4 s. Any other node removes all that it has.
 
     The participant of the process is never deleted (`leave_graph`).
     """
@@ -177,9 +201,10 @@ def leave(node: Any, trouble: str) -> NoReturn:
 def leave_graph(node: Node) -> None:
     """Remove a node from the graph, and keep the participant of the process, which has to end without Python's own end.
 
-    Where others leave in the moment in which a participant is deleted, Fast DDS waits for its own callback in a loop
-    which keeps that callback from ending (https://github.com/eProsima/Fast-DDS/issues/6513). The participant goes with
-    the last node, so another one, under a hidden name, is there when the node goes.
+    Where others leave in the moment in which a participant is deleted, Fast DDS waits for its own
+    callback in a loop which keeps that callback from ending
+    (https://github.com/eProsima/Fast-DDS/issues/6513). The participant goes with the last node, so
+    another one, under a hidden name, is there when the node goes.
     """
     KEPT[:] = [hidden_node(node.get_name(), node.context)]
     node.destroy_node()

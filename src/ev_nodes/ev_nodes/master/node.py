@@ -31,12 +31,13 @@ from ev_nodes.stepping.signal_io import NAMELESS, QUALITY
 from ev_nodes.stepping.stepped_node import SteppedNode
 
 _CLOCK_TOPIC = "/clock"
-_CLOCK = SimpleNamespace(template=stamp_alone(0), mask=b"", runs=(), code="d")  # messages without numbers
+# The format of /clock, whose messages hold no numbers beside the stamp.
+_CLOCK = SimpleNamespace(template=stamp_alone(0), mask=b"", runs=(), code="d")
 _LOOK_PERIOD = 1.0  # s of wall time between looks for other clocks and at the ends of topics
 _AT_ONCE = 9  # topics, of which a look takes half a millisecond: real time goes on
-_RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
-# It doubles up to this where that does not help: each repetition is answered by all, and publishers keep 256 messages,
-# which a recorder that is held up for seconds has still to receive.
+_RETRY_PERIOD = 0.05  # s of wall time without an answer until the state is published once more
+# It doubles up to this where that does not help: each repetition is answered by all, and publishers
+# keep 256 messages, which a recorder that is held up for seconds has still to receive.
 _LONGEST_RETRY = 0.4
 _PATIENCE = 20.0  # s of wall time for the last states to arrive, on a machine with much other work
 
@@ -129,7 +130,9 @@ class MasterNode(SteppedNode):
             if self.now:  # before that nodes are still coming up
                 self._retry_period = min(2.0 * self._retry_period, _LONGEST_RETRY)
             self.health.late_answers += 1
-            self._silence.name_after(self.configuration.extra.answer_timeout, self.schedule.missing, self.now)
+            self._silence.name_after(
+                self.configuration.extra.answer_timeout, self.schedule.missing, self.now
+            )
 
     def why_it_waits(self, missing: tuple[type, ...]) -> list[str]:
         """List what is wrong with the graph, and with messages that have arrived."""
@@ -158,7 +161,9 @@ class MasterNode(SteppedNode):
         # A former master of the own name, which has ended, may still be listed.
         for other in sorted(name for name in names - {own} if NAMELESS not in name):
             rule = f"-r {_CLOCK_TOPIC}:={_CLOCK_TOPIC.strip('/')}"
-            self.reports.note(clock, f"{other} publishes {clock} as well; {rule} lets each have its own")
+            self.reports.note(
+                clock, f"{other} publishes {clock} as well; {rule} lets each have its own"
+            )
 
     def _name_misfits(self) -> None:
         """Report what does not fit on the next topics."""
@@ -168,7 +173,9 @@ class MasterNode(SteppedNode):
 
     def _repeat(self) -> None:
         """Publish once more, first what most nodes receive: their step goes on while the rest is being published."""
-        by_readers = sorted(self.writers.items(), key=lambda each: -each[1].publisher.get_subscription_count())
+        by_readers = sorted(
+            self.writers.items(), key=lambda each: -each[1].publisher.get_subscription_count()
+        )
         self.writers = dict(by_readers)
         if self.stepper.answer is not None:
             self.publish(self.stepper.answer)
@@ -197,7 +204,8 @@ class MasterNode(SteppedNode):
     def _wait_for_the_recorder(self) -> None:
         """Wait until the recorder has every state: messages of a process that ends too soon are lost.
 
-        Real time has not waited for it so far. Where no recorder is followed, any subscriber of the state may be one.
+        Real time has not waited for it so far. Where no recorder is followed, any subscriber of the
+        state may be one.
         """
         reader = self.readers.get(RECORDER_WRITES)
 

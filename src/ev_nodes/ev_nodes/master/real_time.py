@@ -19,38 +19,72 @@ from ev_msgs_py.refusal import ParameterError
 
 LONGEST = 1e7  # simulated time of a run [s]; a stamp holds 2e9
 RECORDER_LAG = 200  # steps that the recorder may be behind; less than topics.QUEUE_DEPTH
+_DIGITS = (1.0, 2.0, 5.0)
+EDGES = tuple(digit * 10.0**power for power in range(-6, 1) for digit in _DIGITS)  # of bins [s]
 
 
 @dataclass(frozen=True, slots=True)
 class MasterParameters:
-    """How time runs."""
+    """Parameters of how time runs."""
 
     real_time_factor: float = setting(
-        0.0, unit="1", low=0.0, high=1000.0, about="simulated over wall time in lockstep, at most; 0: no limit"
+        0.0,
+        unit="1",
+        low=0.0,
+        high=1000.0,
+        about="simulated over wall time in lockstep, at most; 0: no limit",
     )
     duration: float = setting(
-        0.0, unit="s", low=0.0, high=LONGEST, about="the node ends at this time; 0: never", read_only=True
+        0.0,
+        unit="s",
+        low=0.0,
+        high=LONGEST,
+        about="the node ends at this time; 0: never",
+        read_only=True,
     )
     manoeuvre_end: float = setting(
-        0.0, unit="s", low=0.0, high=LONGEST, about="the manoeuvre is over at this time; 0: not known", read_only=True
+        0.0,
+        unit="s",
+        low=0.0,
+        high=LONGEST,
+        about="the manoeuvre is over at this time; 0: not known",
+        read_only=True,
     )
     lesson: tuple[str, ...] = setting(
         (), about="parameters, as NODE.NAME, that a live page has beside its plots", read_only=True
     )
     command_timeout: float = setting(
-        0.1, unit="s", low=0.001, high=60.0, about="realtime: age of a torque command at which no torque is left of it"
+        0.1,
+        unit="s",
+        low=0.001,
+        high=60.0,
+        about="realtime: age of a torque command at which no torque is left of it",
     )
     command_ramp: float = setting(
-        0.02, unit="s", low=0.0, high=60.0, about="realtime: time before that over which its torque falls to zero"
+        0.02,
+        unit="s",
+        low=0.0,
+        high=60.0,
+        about="realtime: time before that over which its torque falls to zero",
     )
     command_loss_brake_torque: float = setting(
-        0.0, unit="N m", low=0.0, high=10000.0, about="realtime: at each wheel in place of what is lost; 0: it coasts"
+        0.0,
+        unit="N m",
+        low=0.0,
+        high=10000.0,
+        about="realtime: at each wheel in place of what is lost; 0: it coasts",
     )
     answer_timeout: float = setting(
-        2.0, unit="s", low=0.1, high=3600.0, about="wall time without an answer after which the silent nodes are named"
+        2.0,
+        unit="s",
+        low=0.1,
+        high=3600.0,
+        about="wall time without an answer after which the silent nodes are named",
     )
     await_recorder: bool = setting(
-        False, about=f"stay within {RECORDER_LAG} steps of the recorder, so that it misses nothing", read_only=True
+        False,
+        about=f"stay within {RECORDER_LAG} steps of the recorder, so that it misses nothing",
+        read_only=True,
     )
 
     def refuse_beside(self, common: CommonParameters) -> None:
@@ -58,7 +92,9 @@ class MasterParameters:
         if common.mode == "realtime" and self.command_timeout <= 2.0 * common.control_period:
             allowed = f"more than two control periods, {2.0 * common.control_period:g} s"
             name = "command_timeout"
-            raise ParameterError(f"parameter {name}: {self.command_timeout:g} is refused, expected {allowed}", name)
+            raise ParameterError(
+                f"parameter {name}: {self.command_timeout:g} is refused, expected {allowed}", name
+            )
 
 
 _COMMAND = frame.PLACES[WheelTorqueCommand]
@@ -87,12 +123,14 @@ class FadingInputs(HeldInputs):
     def share(self, now: int, period: int, p: MasterParameters) -> float:
         """Share of the held torque command [1] that acts in the step from now on.
 
-        It falls to zero by a ramp. No torque acts any more when the command is `command_timeout` old. So its age at
-        the end of the step counts, by its stamp or by the wall clock, whichever is more.
+        It falls to zero by a ramp. No torque acts any more when the command is `command_timeout`
+        old. So its age at the end of the step counts, by its stamp or by the wall clock, whichever
+        is more.
         """
         by_stamp = now - self.stamp_of(WheelTorqueCommand)
         by_wall_clock = stamps.from_seconds(time.monotonic() - self._command_came)
-        # In whole nanoseconds: 0.1 s - 0.09 s - 0.01 s is above zero in floats, which without a ramp is all torque.
+        # In whole nanoseconds: 0.1 s - 0.09 s - 0.01 s is above zero in floats, which without a
+        # ramp is all torque.
         left = stamps.from_seconds(p.command_timeout) - max(by_stamp, by_wall_clock) - period
         if left <= 0:
             return 0.0
@@ -106,15 +144,17 @@ class FadingInputs(HeldInputs):
             numbers = here.numbers
             numbers[_DRIVE] = frame.numbers_of([share * torque for torque in numbers[_DRIVE]])
             brake = (1.0 - share) * brake_torque
-            numbers[_BRAKE] = frame.numbers_of([share * torque + brake for torque in numbers[_BRAKE]])
+            numbers[_BRAKE] = frame.numbers_of(
+                [share * torque + brake for torque in numbers[_BRAKE]]
+            )
         return here
 
 
-EDGES = tuple(digit * 10.0**power for power in range(-6, 1) for digit in (1.0, 2.0, 5.0))  # s, lower ends of bins
-
-
 class Histogram:
-    """Counts times [s] in three bins a decade from 1 us to 5 s and above; shorter times are in the first."""
+    """Counts times [s] in three bins a decade from 1 us to 5 s and above.
+
+    Shorter times are in the first.
+    """
 
     def __init__(self) -> None:
         self.counts = [0] * (len(EDGES) + 1)
@@ -134,10 +174,11 @@ class Histogram:
 class Timing:
     """Wall times of a run in real time, all by the monotonic clock.
 
-    `period` is the time between steps, `lateness` the time from when a step was due until it was taken, `arrival` by
-    topic the time from when an instant was due until its input came. An overrun is a step that was more than a period
-    late. `without_command` counts the steps whose torque had faded because no command was new enough, `refused` by
-    topic the inputs that were older than others before, or of instants that have yet to come.
+    `period` is the time between steps, `lateness` the time from when a step was due until it was
+    taken, `arrival` by topic the time from when an instant was due until its input came. An overrun
+    is a step that was more than a period late. `without_command` counts the steps whose torque had
+    faded because no command was new enough, `refused` by topic the inputs that were older than
+    others before, or of instants that have yet to come.
     """
 
     def __init__(self, reads: tuple[type, ...]) -> None:
@@ -169,5 +210,7 @@ class Timing:
             "refused": {TOPICS[kind].name: count for kind, count in self.refused.items()},
             "period": self.period.as_json(),
             "lateness": self.lateness.as_json(),
-            "arrival": {TOPICS[kind].name: histogram.as_json() for kind, histogram in self.arrival.items()},
+            "arrival": {
+                TOPICS[kind].name: histogram.as_json() for kind, histogram in self.arrival.items()
+            },
         }

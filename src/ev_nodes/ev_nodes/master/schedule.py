@@ -20,9 +20,10 @@ from ev_nodes.stepping.runner_line import TIME_SERVICE, Word
 
 
 class Pace:
-    """Simulated time against wall time, which both count from the last call of `start`; the clock is monotonic.
+    """Simulated time against wall time, which both count from the last call of `start`.
 
-    Time lost since `go_on` counts in the summary, but no instant is due earlier for it.
+    The clock is monotonic. Time lost since `go_on` counts in the summary, but no instant is due
+    earlier for it.
     """
 
     def __init__(self) -> None:
@@ -51,7 +52,10 @@ class Pace:
             self._rests = None
 
     def due(self, stamp: int, factor: float) -> float:
-        """Wall time [s] at which an instant is due; `factor` is simulated over wall time, above zero."""
+        """Wall time [s] at which an instant is due.
+
+        `factor` is simulated over wall time, above zero.
+        """
         return self._wall + stamps.to_seconds(stamp - self._stamp) / factor
 
     def summary(self, stamp: int, period: int) -> str:
@@ -139,7 +143,8 @@ class Schedule:
     def note_recorded(self, stamp: int) -> None:
         """Note that the recorder holds everything up to a stamp, if it is one of this run.
 
-        A stamp ahead of the present is not: the recorder has yet to see that another master counts from zero again.
+        A stamp ahead of the present is not: the recorder has yet to see that another master counts
+        from zero again.
         """
         instant = stamp - self._stepper.inbox.run
         if instant % self._stepper.period == 0 and instant <= self.now:
@@ -148,7 +153,10 @@ class Schedule:
             self._recorded = max(self._recorded, instant)
 
     def held_step(self) -> Answer:
-        """Take one step of real time with the newest inputs; the torque of an old command has faded."""
+        """Take one step of real time with the newest inputs.
+
+        The torque of an old command has faded.
+        """
         now, period = self.now, self._stepper.period
         share = self.held.share(now, period, self._parameters)
         self.timing.without_command += share < 1.0
@@ -156,14 +164,17 @@ class Schedule:
         return self._stepper.step_with(now + self._stepper.inbox.run, inputs)
 
     def hold(self, kind: type, stamp: int, numbers: Sequence[float]) -> bool:
-        """Keep an input of real time, which begins when all have come once; False if no run explains its stamp."""
+        """Keep an input of real time, which begins when all have come once.
+
+        False if no run explains its stamp.
+        """
         waited = not self.all_are_here
         instant = stamp - self._stepper.inbox.run
         # A role that integrates publishes the next instant already.
         limit = self.now + 2 * self._stepper.period if instant % self._stepper.period == 0 else -1
         if not self.held.take(kind, instant, numbers, limit):
             newest = self.held.stamp_of(kind)
-            self.timing.refused[kind] += instant != newest  # repeated ones are none the worse for it
+            self.timing.refused[kind] += instant != newest  # a repetition is no refused input
             is_old = 0 <= instant <= newest and instant % self._stepper.period == 0
             return is_old or self._is_of_another_run(stamp)
         self.timing.arrival[kind].add(time.monotonic() - self._pace.due(instant, self._factor))
@@ -189,19 +200,24 @@ class Schedule:
     @property
     def all_are_here(self) -> bool:
         """True if the next step has its inputs, and the recorder is near enough."""
-        complete = not self.held.missing if self.realtime else self._stepper.inbox.complete() is not None
+        if self.realtime:
+            complete = not self.held.missing
+        else:
+            complete = self._stepper.inbox.complete() is not None
         return complete and self.recorder_keeps_up
 
     @property
     def recorder_keeps_up(self) -> bool:
-        """True if the recorder is near enough; at the first and at the last instant it must have everything.
+        """True if the recorder is near enough.
 
-        Real time no longer waits for the recorder once the recorder has begun.
+        At the first and at the last instant it must have everything. Real time no longer waits for
+        the recorder once the recorder has begun.
         """
         if not self._await_recorder or (self.realtime and self._recorded >= 0):
             return True
         ends = self.at_end or self.now == 0
-        return self._recorded >= (self.now if ends else self.now - RECORDER_LAG * self._stepper.period)
+        lag = 0 if ends else RECORDER_LAG * self._stepper.period
+        return self._recorded >= self.now - lag
 
     @property
     def recorder_is_behind(self) -> bool:
@@ -220,11 +236,15 @@ class Schedule:
 
     @property
     def free_until(self) -> int:
-        """Stamp up to which time goes on as soon as all inputs are there; -1 if the clock matters."""
+        """Stamp up to which time goes on as soon as all inputs are there.
+
+        -1 if the clock matters.
+        """
         if self.paused or self.realtime or self._factor:
             return -1
-        end = self._end - self._stepper.period if self._end else stamps.LAST_EXACT
-        free = min(end, self._recorded + RECORDER_LAG * self._stepper.period) if self._await_recorder else end
+        free = self._end - self._stepper.period if self._end else stamps.LAST_EXACT
+        if self._await_recorder:
+            free = min(free, self._recorded + RECORDER_LAG * self._stepper.period)
         return free + self._stepper.inbox.run
 
     @property
@@ -238,7 +258,8 @@ class Schedule:
     def due_within(self) -> float:
         """Seconds until the next instant if it only waits for its time, else infinity.
 
-        In lockstep an input that completes a step is followed by the step; in real time one may have become due since.
+        In lockstep an input that completes a step is followed by the step; in real time one may
+        have become due since.
         """
         late = self.lateness
         if not self.has_inputs or self.at_end:
@@ -264,7 +285,9 @@ TIME_SERVICES = {  # the text by which each reports what it has done
 def serve_time(node: Node, schedule: Schedule, reset: Callable[[], None], reports: Reports) -> None:
     """Serve pause, resume, step and reset by std_srvs/Trigger; each call is reported."""
 
-    def serve(change: Callable[[], None], done: str, _: Trigger.Request, response: Trigger.Response) -> Any:
+    def serve(
+        change: Callable[[], None], done: str, _: Trigger.Request, response: Trigger.Response
+    ) -> Any:
         change()
         response.success, response.message = True, f"{done} at {stamps.to_seconds(schedule.now)} s"
         values = {"rests": schedule.paused}

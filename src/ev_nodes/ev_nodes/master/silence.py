@@ -37,7 +37,9 @@ def misfits(node: Any, topic: Topic) -> Iterator[Misfit]:
         for end in ends:
             if end.topic_type != expected:
                 stranger = full_name(end)
-                yield Misfit(stranger, f"{stranger} {does} {name} as {end.topic_type}, expected {expected}")
+                yield Misfit(
+                    stranger, f"{stranger} {does} {name} as {end.topic_type}, expected {expected}"
+                )
     for publisher in publishers:
         if full_name(publisher) != writer or publisher.topic_type != expected:
             continue
@@ -79,12 +81,18 @@ class Silence:
         if wall - self._named <= timeout:
             return
         self._named = wall
-        where = "; ".join(self.reasons(missing) or ["all nodes are in the graph, one does not answer"])
+        where = "; ".join(
+            self.reasons(missing) or ["all nodes are in the graph, one does not answer"]
+        )
         if (where, missing) != self._reported:
             self._reported = where, missing
-            waits = ", ".join([f"{kind.__name__} of {WRITERS[kind]}" for kind in missing] or ["the recorder"])
+            waits = ", ".join(
+                [f"{kind.__name__} of {WRITERS[kind]}" for kind in missing] or ["the recorder"]
+            )
             at = stamps.to_seconds(now)
-            self._node.get_logger().error(f"waiting for {waits} at {at} s for {wall - self._since:.1f} s; {where}")
+            self._node.get_logger().error(
+                f"waiting for {waits} at {at} s for {wall - self._since:.1f} s; {where}"
+            )
 
     def reasons(self, missing: tuple[type, ...]) -> list[str]:
         """Reasons why these signals do not come, as far as the graph knows: a node waits for others, too."""
@@ -93,7 +101,9 @@ class Silence:
         there = {name for name, where in nodes if where == space}
         wanted = {*REQUIRED, *(WRITERS.get(kind, RECORDER) for kind in missing)}
         if gone := [role for role in ROLES if role in wanted and role not in there]:
-            elsewhere = sorted(f"{where.rstrip('/')}/{name}" for name, where in nodes if name in gone)
+            elsewhere = sorted(
+                f"{where.rstrip('/')}/{name}" for name, where in nodes if name in gone
+            )
             hint = f" (but {', '.join(elsewhere)}, expected in {space})" if elsewhere else ""
             return [f"not in the graph: {', '.join(gone)}{hint}"]
         roles = {f"{space.rstrip('/')}/{role}" for role in ROLES}
@@ -105,7 +115,8 @@ class Silence:
         node = self._node
         for kind, topic in TOPICS.items():
             role, name = WRITERS.get(kind), node.resolve_topic_name(topic.name)
-            if role not in wanted or role in {end.node_name for end in node.get_publishers_info_by_topic(name)}:
+            publishers = {end.node_name for end in node.get_publishers_info_by_topic(name)}
+            if role not in wanted or role in publishers:
                 continue
             if any(end.node_name in ROLES for end in node.get_subscriptions_info_by_topic(name)):
                 yield f"{role} has no publisher of {topic.name}"

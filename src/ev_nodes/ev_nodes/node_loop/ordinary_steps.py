@@ -1,10 +1,11 @@
 """The compiled loop of one node as Python sees it: when it may be used, its memory, its calls.
 
-How it works: `steps` holds the loop itself. It calls functions of rcl, below rclpy, by their addresses, and works on
-the inbox of the node, so that nothing is copied from one to the other. `OrdinarySteps` lays out what the loop needs in
-arrays of records and in one block of memory, calls it, and lets Python judge each message that is not an ordinary one.
-Without the loop (EV_STACK_NODE_LOOP=0, another C library, no machine code on disk) nodes take all steps in Python, with
-the same numbers.
+How it works: `steps` holds the loop itself. It calls functions of rcl, below rclpy, by their
+addresses, and works on the inbox of the node, so that nothing is copied from one to the other.
+`OrdinarySteps` lays out what the loop needs in arrays of records and in one block of memory, calls
+it, and lets Python judge each message that is not an ordinary one. Without the loop
+(EV_STACK_NODE_LOOP=0, another C library, no machine code on disk) nodes take all steps in Python,
+with the same numbers.
 """
 
 from __future__ import annotations
@@ -32,10 +33,15 @@ VARIABLE = "EV_STACK_NODE_LOOP"
 
 
 def is_switched_on() -> bool:
-    """Return whether nodes may use the loop; ParameterError if the variable of the environment is not 0 or 1."""
+    """Return whether nodes may use the loop.
+
+    ParameterError if the variable of the environment is not 0 or 1.
+    """
     given = os.environ.get(VARIABLE, "1")
     if given not in ("0", "1"):
-        raise ParameterError(f"{VARIABLE}={quoted(given)} is refused, expected 1, or 0 for nodes without their loop")
+        raise ParameterError(
+            f"{VARIABLE}={quoted(given)} is refused, expected 1, or 0 for nodes without their loop"
+        )
     return given == "1"
 
 
@@ -63,7 +69,10 @@ MESSAGE_WORDS, INFO_WORDS = 8, 32
 
 @cache
 def addresses() -> dict[str, int]:
-    """Addresses of C functions by their names in the loop; none on a system that names its libraries differently."""
+    """Addresses of C functions by their names in the loop.
+
+    None on a system that names its libraries differently.
+    """
     try:
         rcl, libc = ctypes.CDLL("librcl.so"), ctypes.CDLL(None)
     except OSError:
@@ -79,15 +88,24 @@ def addresses() -> dict[str, int]:
         "clock_gettime": libc.clock_gettime,
         "memcpy": libc.memcpy,
     }
-    return {name: ctypes.cast(function, ctypes.c_void_p).value or 0 for name, function in functions.items()}
+    return {
+        name: ctypes.cast(function, ctypes.c_void_p).value or 0
+        for name, function in functions.items()
+    }
 
 
 class _Allocator(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_void_p) for name in ("allocate", "deallocate", "reallocate", "zero_allocate", "state")]
+    _fields_ = [
+        (name, ctypes.c_void_p)
+        for name in ("allocate", "deallocate", "reallocate", "zero_allocate", "state")
+    ]
 
 
 def prepare_message(address: int, capacity: int) -> None:
-    """Make an `rcutils_uint8_array_t` to take messages into; it grows with them, and lasts until it is freed."""
+    """Make an `rcutils_uint8_array_t` to take messages into.
+
+    It grows with them, and lasts until it is freed.
+    """
     rcutils = ctypes.CDLL("librcutils.so")
     rcutils.rcutils_get_default_allocator.restype = _Allocator
     allocator = rcutils.rcutils_get_default_allocator()
@@ -102,23 +120,20 @@ def free_message(address: int) -> None:
 
 
 _LOOP_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 9)
-_FIELDS = (
-    "limit",
-    "until",
-    "patience",
-    "guard",
-    "came",
-    "refused",
-    "taken",
-    "spoke",
-    "odd",
-    "function",
-    "state",
-    "constants",
-)
-_LIMIT, _UNTIL, _PATIENCE, _GUARD, _CAME, _REFUSED, _TAKEN, _SPOKE, _ODD, _FUNCTION, _STATE, _CONSTANTS = (
-    (LOOP.names or ()).index(name) for name in _FIELDS
-)
+# Places of fields in the record of the loop, which is read and written as a row of integers.
+_PLACES = {name: place for place, name in enumerate(LOOP.names or ())}
+_LIMIT = _PLACES["limit"]
+_UNTIL = _PLACES["until"]
+_PATIENCE = _PLACES["patience"]
+_GUARD = _PLACES["guard"]
+_CAME = _PLACES["came"]
+_REFUSED = _PLACES["refused"]
+_TAKEN = _PLACES["taken"]
+_SPOKE = _PLACES["spoke"]
+_ODD = _PLACES["odd"]
+_FUNCTION = _PLACES["function"]
+_STATE = _PLACES["state"]
+_CONSTANTS = _PLACES["constants"]
 _NO_SENDER = b"\xff" * 16  # no identity
 _FORGET_PERIOD = 0.05  # s after which senders that are refused are looked at again
 _SENDERS = 8  # of each input: the admitted one, and others that are known to be refused
@@ -149,9 +164,10 @@ class Block:
 
 
 class OrdinarySteps:
-    """Lets the loop drive the stepper of a node; `outputs` are its publishers, in the order of their turns.
+    """Lets the loop drive the stepper of a node.
 
-    Its arrays of records last as long as the loop may be called.
+    `outputs` are its publishers, in the order of their turns. Its arrays of records last as long as
+    the loop may be called.
     """
 
     def __init__(self, node: Any, outputs: Sequence[End]) -> None:
@@ -166,13 +182,27 @@ class OrdinarySteps:
         self._words = self._head.view(np.int64).data
         self._inputs, self._outputs = np.zeros(len(inputs), INPUT), np.zeros(len(outputs), OUTPUT)
         self._senders = np.full((len(inputs), _SENDERS, 2), -1)
-        self._runs = np.array([tuple(run) for end in (*inputs, *outputs) for run in end.format.runs], RUN)
+        self._runs = np.array(
+            [tuple(run) for end in (*inputs, *outputs) for run in end.format.runs], RUN
+        )
         self._lay_out(inputs, outputs)
         head = self._head[0]
         begin, end = frame.span(node.configuration.method.writes)
-        values = {name: value for name, value in inbox.steps._asdict().items() if isinstance(value, int)}
-        values |= {"topics": len(inputs), "publishers": len(outputs), "runs": len(self._runs), "senders": _SENDERS}
-        values |= {"size": self._block.words.nbytes, "begin": begin, "end": end, "wait_set": self._wait_set.pointer}
+        values = {
+            name: value for name, value in inbox.steps._asdict().items() if isinstance(value, int)
+        }
+        values |= {
+            "topics": len(inputs),
+            "publishers": len(outputs),
+            "runs": len(self._runs),
+            "senders": _SENDERS,
+        }
+        values |= {
+            "size": self._block.words.nbytes,
+            "begin": begin,
+            "end": end,
+            "wait_set": self._wait_set.pointer,
+        }
         if sums is not None:
             values["tallied"] = 1
         for name, value in (values | addresses()).items():
@@ -195,15 +225,25 @@ class OrdinarySteps:
     def _lay_out(self, inputs: Sequence[End], outputs: Sequence[End]) -> None:
         """Put templates, messages and what functions fill in into one block."""
         block, head, run = Block(), self._head[0], 0
-        for name, words in (("message", MESSAGE_WORDS), ("info", INFO_WORDS), ("clock", 2), ("count", 1)):
+        for name, words in (
+            ("message", MESSAGE_WORDS),
+            ("info", INFO_WORDS),
+            ("clock", 2),
+            ("count", 1),
+        ):
             head[name] = block.words_for(words)
         head["heard"] = block.place_for(bytes(max(len(end.format.template) for end in inputs)))
         for row, end in zip((*self._inputs, *self._outputs), (*inputs, *outputs), strict=True):
             form = end.format
-            row["template"], row["mask"] = block.place_for(form.template), block.place_for(form.mask)
-            row["length"], row["single"] = len(form.template), form.code == "f"
-            row["first"], row["last"] = run, run + len(form.runs)
-            numbers = {place for each in form.runs for place in range(each.place, each.place + each.length)}
+            row["template"] = block.place_for(form.template)
+            row["mask"] = block.place_for(form.mask)
+            row["length"] = len(form.template)
+            row["single"] = form.code == "f"
+            row["first"] = run
+            row["last"] = run + len(form.runs)
+            numbers = {
+                place for each in form.runs for place in range(each.place, each.place + each.length)
+            }
             unsigned = sorted(numbers & frame.UNSIGNED_COMMANDS)
             row["unsigned"], row["signed"] = (unsigned[0], unsigned[-1] + 1) if unsigned else (0, 0)
             run += len(form.runs)
@@ -220,8 +260,8 @@ class OrdinarySteps:
     def take(self, until: float, patience: float, limit: int, guard: int) -> bool | None:
         """Take steps up to a time of the monotonic clock, a stamp, or the first pause of `patience` seconds.
 
-        The guard condition at the address wakes it up, too. It returns whether anything has come, None if these steps
-        are not for the loop: before the first step, or beyond the limit.
+        The guard condition at the address wakes it up, too. It returns whether anything has come,
+        None if these steps are not for the loop: before the first step, or beyond the limit.
         """
         stepper, head = self._stepper, self._words
         if not stepper.under_way or stepper.inbox.last + stepper.period > limit:
@@ -269,10 +309,14 @@ class OrdinarySteps:
             self._senders[:, 1:] = np.frombuffer(_NO_SENDER, np.int64)
 
     def _judge(self, place: int) -> None:
-        """Let Python judge the message that was taken last; for a while the loop refuses a sender that it refuses."""
+        """Let Python judge the message that was taken last.
+
+        For a while the loop refuses a sender that it refuses.
+        """
         words = self._block.words
         at, sender = int(self._head["message"][0]), int(self._head["info"][0]) + GID
-        message, gid = ctypes.string_at(int(words[at]), int(words[at + 1])), words[sender : sender + 2].tobytes()
+        message = ctypes.string_at(int(words[at]), int(words[at + 1]))
+        gid = words[sender : sender + 2].tobytes()
         if not self._readers[place].judge(message, {"publisher_gid": {"data": gid}}):
             others = self._senders[place, 1:]
             others[:] = np.roll(others, 1, axis=0)

@@ -1,9 +1,10 @@
 """The ordinary steps of a node in lockstep as one compiled loop: messages in, a step, messages out, sleep.
 
-Ordinary is a message of the admitted publisher, laid out as our nodes do, its numbers finite and none negative that
-must not be, and NEW by the protocol of `lockstep/inbox.py`, which is compiled here and works on the memory of the
-node's inbox. Whatever else comes ends the loop and is for Python to see to. Messages stand in a block of memory; how
-they are read and written there is the compiled form of `wire`.
+Ordinary is a message of the admitted publisher, laid out as our nodes do, its numbers finite and
+none negative that must not be, and NEW by the protocol of `lockstep/inbox.py`, which is compiled
+here and works on the memory of the node's inbox. Whatever else comes ends the loop and is for
+Python to see to. Messages stand in a block of memory; how they are read and written there is the
+compiled form of `wire`.
 """
 
 from __future__ import annotations
@@ -14,7 +15,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ev_core.compiling.machine_code import Code, call
-from ev_core.lockstep.inbox import LAST, NEW, ROWS, Steps, judged, keep, missing, note_answer, row_of, row_of_answer
+from ev_core.lockstep.inbox import (
+    LAST,
+    NEW,
+    ROWS,
+    Steps,
+    judged,
+    keep,
+    missing,
+    note_answer,
+    row_of,
+    row_of_answer,
+)
 from ev_core.lockstep.tally import BLOCK, add_up_step
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.frame import SIZE, TIME
@@ -23,7 +35,10 @@ from ev_msgs_py.wire import STAMP_AT
 
 
 class Memory(NamedTuple):
-    """One block as bytes and as numbers; messages are placed so that their numbers are whole ones of the block."""
+    """One block as bytes and as numbers.
+
+    Messages are placed so that their numbers are whole ones of the block.
+    """
 
     bytes: Any
     words: Any  # integers of 8 bytes
@@ -35,7 +50,8 @@ class Memory(NamedTuple):
 class Work(NamedTuple):
     """Memory that one loop works on; `steps` and `frames` are those of the node's inbox.
 
-    The first of the `senders` (inputs, n, 2) of an input is admitted, and the others are known to be refused.
+    The first of the `senders` (inputs, n, 2) of an input is admitted, and the others are known to
+    be refused.
     """
 
     head: Any
@@ -54,9 +70,9 @@ def integers(*names: str) -> list[Any]:
     return [(name, np.int64) for name in names]
 
 
-# A topic: `template` and `mask`, which has all bits of what is constant, begin at these bytes of the block, and the
-# runs `first` to `last` have its numbers, which are `single` precision or not. Those of the frame from place `unsigned`
-# on to `signed` are commands that are never negative.
+# A topic: `template` and `mask`, which has all bits of what is constant, begin at these bytes of
+# the block, and the runs `first` to `last` have its numbers, which are `single` precision or not.
+# Those of the frame from place `unsigned` on to `signed` are commands that are never negative.
 TOPIC = integers("template", "mask", "length", "first", "last", "single", "unsigned", "signed")
 RUN = np.dtype(integers("place", "offset", "length"))
 
@@ -66,7 +82,8 @@ def is_laid_out_like(memory: Any, at: int, topic: Any) -> bool:
     """Return whether a message of the length of a topic's template has its constants."""
     differs = 0
     for n in range(topic.length):
-        differs |= (memory.bytes[at + n] ^ memory.bytes[topic.template + n]) & memory.bytes[topic.mask + n]
+        other = memory.bytes[at + n] ^ memory.bytes[topic.template + n]
+        differs |= other & memory.bytes[topic.mask + n]
     return differs == 0
 
 
@@ -80,11 +97,17 @@ def stamp_in(memory: Any, at: int) -> int:
 
 @compilable
 def read_numbers(memory: Any, at: int, topic: Any, runs: Any, numbers: Any) -> bool:
-    """Copy the numbers of a message into a frame; False if one is not finite, or negative and must not be."""
+    """Copy the numbers of a message into a frame.
+
+    False if one is not finite, or negative and must not be.
+    """
     for r in range(topic.first, topic.last):
         place, begin = runs[r].place, at + runs[r].offset
         for n in range(runs[r].length):
-            number = float(memory.singles[begin // 4 + n]) if topic.single else memory.doubles[begin // 8 + n]
+            if topic.single:
+                number = float(memory.singles[begin // 4 + n])
+            else:
+                number = memory.doubles[begin // 8 + n]
             if number - number != 0.0:
                 return False
             numbers[place + n] = number
@@ -108,8 +131,8 @@ def write_message(memory: Any, topic: Any, runs: Any, stamp: int, numbers: Any) 
                 memory.doubles[begin // 8 + n] = numbers[place + n]
 
 
-# Why the loop has ended: nothing came in time; a message is for Python to judge; the last step that may be taken was
-# taken; the part has failed, or has written what is not finite.
+# Why the loop has ended: nothing came in time; a message is for Python to judge; the last step that
+# may be taken was taken; the part has failed, or has written what is not finite.
 IDLE, ODD, LIMIT, FAILED, NOT_FINITE = range(5)
 _NOTHING, _KEPT, _REFUSED = range(-3, 0)  # what else can become of a message
 
@@ -198,7 +221,8 @@ def _step(work: Work) -> int:
     frames[row, TIME] = number * steps.period / NANOSECONDS
     frames[output, TIME] = answered // steps.period * steps.period / NANOSECONDS
     first, width = frames.ctypes.data, 8 * frames.shape[1]
-    if call(head.function, first + row * width, first + output * width, head.state, head.constants) != 0:
+    now, answer = first + row * width, first + output * width
+    if call(head.function, now, answer, head.state, head.constants) != 0:
         return FAILED
     for n in range(head.begin, head.end):
         if frames[output, n] - frames[output, n] != 0.0:
@@ -220,7 +244,9 @@ def _publish(work: Work) -> None:
     for i in range(len(outputs)):
         call(head.rcl_count, outputs[i].publisher, here + 8 * head.count, 0, 0)
         if memory.words[head.count] != 0:
-            write_message(memory, outputs[i], work.runs, stamp, work.frames[row_of_answer(steps, stamp)])
+            write_message(
+                memory, outputs[i], work.runs, stamp, work.frames[row_of_answer(steps, stamp)]
+            )
             call(head.rcl_publish, outputs[i].publisher, here + 8 * outputs[i].message, 0, 0)
     head.spoke = _wall_clock(head, memory)
 
@@ -254,9 +280,10 @@ LOOP = np.dtype(
         *integers("came", "refused"),  # 1 if a message was kept, 1 if one was refused
         *integers("taken", "spoke", "odd"),  # steps, when the last answer was given, an input
         *integers("function", "state", "constants", "begin", "end"),  # of the part
-        *integers("rcl_take", "rcl_publish", "rcl_count", "rcl_clear", "rcl_add", "rcl_add_guard"),  # addresses
-        *integers("rcl_wait", "clock_gettime", "memcpy", "wait_set", "guard"),
-        *integers("message", "info", "clock", "count"),  # words of the memory which these functions fill in
+        *integers("rcl_take", "rcl_publish", "rcl_count"),  # addresses
+        *integers("rcl_clear", "rcl_add", "rcl_add_guard", "rcl_wait"),
+        *integers("clock_gettime", "memcpy", "wait_set", "guard"),
+        *integers("message", "info", "clock", "count"),  # words that these functions fill in
         *integers("heard"),  # byte of the memory to which the message is copied
         *integers("tallied"),  # 1 if inputs and outputs are added up
     ]

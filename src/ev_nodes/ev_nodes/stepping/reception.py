@@ -16,13 +16,19 @@ _PROCESS = 12  # first bytes of an identity, which all publishers of a process h
 
 
 class Reception:
-    """Feeds serialized messages to a stepper; `reports` is given what is odd, `publish` each answer."""
+    """Feeds serialized messages to a stepper.
 
-    def __init__(self, stepper: Stepper, reports: Reports, publish: Callable[[Answer], None]) -> None:
+    `reports` is given what is odd, `publish` each answer.
+    """
+
+    def __init__(
+        self, stepper: Stepper, reports: Reports, publish: Callable[[Answer], None]
+    ) -> None:
         self._stepper, self._reports, self._publish = stepper, reports, publish
         self.arrivals = dict.fromkeys(Arrival, 0)  # of messages that were not just kept
         self.refused = 0  # messages that could not be read, or that the topic table does not allow
-        self.ignored: dict[type, str] = {}  # by signal, the report on the first message that was of no use
+        # By signal, the report on the first message that was of no use.
+        self.ignored: dict[type, str] = {}
         self._gaps: set[Topic] = set()
         self._joined_late = False
         self._new_master = b""
@@ -69,7 +75,10 @@ class Reception:
             )
 
     def reader(self, topic: Topic) -> Callable[[bytes], tuple[int, Sequence[float]] | None]:
-        """Return a function that reads stamp and numbers of a topic's message; None, and a report, if it is refused."""
+        """Return a function that reads stamp and numbers of a topic's message.
+
+        None, and a report, if it is refused.
+        """
         read = format_of(topic.signal).read
 
         def try_to_read(message: bytes) -> tuple[int, Sequence[float]] | None:

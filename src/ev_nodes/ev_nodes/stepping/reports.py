@@ -28,12 +28,16 @@ _PATIENCE = 1.0  # s for the last report to arrive
 _LOOK_PERIOD = 0.1  # s of wall time between looks at the notes of a part
 
 
-def wait_until_heard(publisher: Publisher, given_up: float, is_wanted: Callable[[], bool] = lambda: True) -> None:
+def wait_until_heard(
+    publisher: Publisher, given_up: float, is_wanted: Callable[[], bool] = lambda: True
+) -> None:
     """Wait until everything is acknowledged, up to a time of the monotonic clock, for as long as it is wanted.
 
     The middleware's own time-out may go by the time of day (`time_of_day`).
     """
-    while not publisher.wait_for_all_acked(_AT_ONCE) and time.monotonic() < given_up and is_wanted():
+    while time.monotonic() < given_up and is_wanted():
+        if publisher.wait_for_all_acked(_AT_ONCE):
+            return
         time.sleep(_TO_BE_HEARD)
 
 
@@ -52,7 +56,11 @@ class Health:
         period = self._node.stepper.period
         steps = max(stamp - self._stamp, 0) // period / (wall - self._wall)
         self._wall, self._stamp = wall, stamp
-        values = {"steps per second": steps, "real-time factor": steps * period / 1e9, **self.counts()}
+        values = {
+            "steps per second": steps,
+            "real-time factor": steps * period / 1e9,
+            **self.counts(),
+        }
         self._node.reports.tell(HEALTH, f"{steps:.0f} steps/s", values)
 
     def counts(self) -> dict[str, Any]:
@@ -63,11 +71,15 @@ class Health:
             "late answers": self.late_answers,
             "repeats": node.reception.arrivals[Arrival.REPEATED],
             "refused messages": node.reception.refused,
-            "messages of strangers": sum(reader.speaker.refused for reader in node.readers.values()),
+            "messages of strangers": sum(
+                reader.speaker.refused for reader in node.readers.values()
+            ),
         }
-        if {WheelTorqueRequest, WheelTorqueCommand} <= {*node.stepper.reads, *node.writers} and node.stepper.answer:
+        torques = {WheelTorqueRequest, WheelTorqueCommand}
+        if torques <= {*node.stepper.reads, *node.writers} and node.stepper.answer:
             numbers = node.stepper.answer.frame.numbers
-            asked, let = (numbers[frame.PLACES[kind]][:4] for kind in (WheelTorqueRequest, WheelTorqueCommand))
+            asked = numbers[frame.PLACES[WheelTorqueRequest]][:4]  # the four drive torques
+            let = numbers[frame.PLACES[WheelTorqueCommand]][:4]
             found["torque withheld"] = max(abs(a - b) for a, b in zip(asked, let, strict=True))
         law = node.configuration.method.law
         watched = [(i, name) for i, name in enumerate(law.names() if law else ()) if LOST in name]
@@ -80,8 +92,8 @@ class Health:
 class Reports:
     """Reports each thing once, and passes on the notes of a part on the run.
 
-    The length of a report is bounded: all values of a parameter that was changed, or names of strangers, may be of any
-    length, and the line to the runner takes no more than a socket does.
+    The length of a report is bounded: all values of a parameter that was changed, or names of
+    strangers, may be of any length, and the line to the runner takes no more than a socket does.
     """
 
     def __init__(self, node: Node, role: str) -> None:
@@ -126,7 +138,10 @@ class Reports:
             self.pass_on(part)
 
     def pass_on(self, part: Any) -> None:
-        """Report as OK each note of a part when it appears for the first time; a new part starts from none."""
+        """Report as OK each note of a part when it appears for the first time.
+
+        A new part starts from none.
+        """
         self._next_look = time.monotonic() + _LOOK_PERIOD
         self.runner.send_what_waits()
         self._say_unheard()
@@ -140,7 +155,10 @@ class Reports:
                 self._diagnose(DiagnosticStatus.OK, text)
 
     def tell(self, what: str, text: str, values: Mapping[str, Any]) -> None:
-        """Publish numbers about the run, if /diagnostics has subscribers; `what` ends the name of their status."""
+        """Publish numbers about the run, if /diagnostics has subscribers.
+
+        `what` ends the name of their status.
+        """
         if self._publisher.get_subscription_count():
             more = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
             self._diagnose(DiagnosticStatus.OK, text, *more, name=f": {what}")
@@ -150,7 +168,9 @@ class Reports:
         wait_until_heard(self._publisher, time.monotonic() + _PATIENCE)
 
     def _diagnose(self, level: bytes, text: str, *more: KeyValue, name: str = "") -> None:
-        status = DiagnosticStatus(level=level, name=self._node.get_fully_qualified_name() + name, message=text)
+        status = DiagnosticStatus(
+            level=level, name=self._node.get_fully_qualified_name() + name, message=text
+        )
         status.values = [KeyValue(key="role", value=self._role), *more]
         report = DiagnosticArray(status=[status])
         report.header.stamp = self._node.get_clock().now().to_msg()

@@ -20,5 +20,7 @@ def given_domain(environment: Mapping[str, str]) -> int | None:
     if not given:
         return None
     if not re.fullmatch("[0-9]{1,4}", given) or int(given) > _LAST:
-        raise ParameterError(f"{VARIABLE}={shown(given)} is refused, expected a whole number from 0 to {_LAST}")
+        raise ParameterError(
+            f"{VARIABLE}={shown(given)} is refused, expected a whole number from 0 to {_LAST}"
+        )
     return int(given)

@@ -10,7 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    ParameterType,
+    SetParametersResult,
+)
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -36,19 +42,24 @@ _METHOD, _LOG, _ADDRESS = "method", "bus.log", "bus.address"
 def overrides(node: Node) -> dict[str, Any]:
     """The values of command line and parameter files for a node that declares its overrides by itself.
 
-    ParameterError if a file of the command line means a node of this name, but none in this namespace, or if they are
-    about the quality of service, which ROS would ignore here.
+    ParameterError if a file of the command line means a node of this name, but none in this
+    namespace, or if they are about the quality of service, which ROS would ignore here.
     """
     _refuse_file_of_another_namespace(node)
     given: Mapping[str, Any] = node.get_parameters_by_prefix("")
     for name in given:
         if name.startswith(_QUALITY):
-            raise ParameterError(f"parameter {name} is refused: the quality of service of the topics is fixed", name)
+            raise ParameterError(
+                f"parameter {name} is refused: the quality of service of the topics is fixed", name
+            )
     return {name: value.value for name, value in given.items() if not is_ros_own(name)}
 
 
 def _refuse_file_of_another_namespace(node: Node) -> None:
-    """ROS silently leaves a node its defaults then; a file without any section of its name may be that of others."""
+    """ROS silently leaves a node its defaults then.
+
+    A file without any section of its name may be that of others.
+    """
     name, full = node.get_name(), node.get_fully_qualified_name()
     for flag, file in pairwise(sys.argv):
         if flag != "--params-file":
@@ -56,7 +67,9 @@ def _refuse_file_of_another_namespace(node: Node) -> None:
         sections = list(_sections(yaml.safe_load(Path(file).read_text())))
         named = [section for section in sections if section.rpartition("/")[2] == name]
         if named and not any(matches(section, full) for section in sections):
-            raise ParameterError(f"{file}: {', '.join(named)} is not this node, expected {full} or /**/{name}")
+            raise ParameterError(
+                f"{file}: {', '.join(named)} is not this node, expected {full} or /**/{name}"
+            )
 
 
 def _sections(content: Any, space: str = "") -> Iterator[str]:
@@ -71,30 +84,43 @@ def _sections(content: Any, space: str = "") -> Iterator[str]:
 
 
 def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """Values for a node, as `overrides`; ParameterError if a file chooses what only command line or Python may choose.
+    """Values for a node, as `overrides`.
 
-    That is code (a library, a law file), a network, and a log of the bus in a folder not below the working directory.
+    ParameterError if a file chooses what only command line or Python may choose. That is code (a
+    library, a law file), a network, and a log of the bus in a folder not below the working
+    directory.
     """
     values = overrides(node)
     path: Any = values.get(_LOG)
     leads_out = isinstance(path, str) and (os.path.isabs(path) or ".." in Path(path).parts)
     if leads_out and not _is_given(_LOG, path, node_arguments):
         where = "a name below the working directory, on the command line any path"
-        raise ParameterError(f"parameter {_LOG}: {quoted(path)} is refused, expected from a file {where}", _LOG)
+        raise ParameterError(
+            f"parameter {_LOG}: {quoted(path)} is refused, expected from a file {where}", _LOG
+        )
     for name, may_be_refused in ((_METHOD, is_code), (_ADDRESS, bool)):
         value = values.get(name)
-        if isinstance(value, str) and may_be_refused(value) and not _is_given(name, value, node_arguments):
+        if (
+            isinstance(value, str)
+            and may_be_refused(value)
+            and not _is_given(name, value, node_arguments)
+        ):
             values[name] = TextOfFile.of(value, Path("its parameter file"))
     return values
 
 
 def _is_given(name: str, value: str, node_arguments: Mapping[str, Any]) -> bool:
     """Return whether a value is from the command line (-p NAME:=VALUE) or from the program that makes the node."""
-    if any(each.name == name and each.value == value for each in node_arguments.get("parameter_overrides") or ()):
+    if any(
+        each.name == name and each.value == value
+        for each in node_arguments.get("parameter_overrides") or ()
+    ):
         return True
     words = [*sys.argv, *(node_arguments.get("cli_args") or ())]
     assigned = [word.partition(":=") for flag, word in pairwise(words) if flag in ("-p", "--param")]
-    return any(key.rpartition(":")[2] == name and text.strip("'\"") == value for key, _, text in assigned)
+    return any(
+        key.rpartition(":")[2] == name and text.strip("'\"") == value for key, _, text in assigned
+    )
 
 
 def is_ros_own(name: str) -> bool:
@@ -103,23 +129,35 @@ def is_ros_own(name: str) -> bool:
 
 
 def _asked_for(changes: Sequence[Parameter]) -> dict[str, Any]:
-    """The values of a change that are ours; ParameterError if ROS's own are among them, for ROS might refuse these."""
+    """The values of a change that are ours.
+
+    ParameterError if ROS's own are among them, for ROS might refuse these.
+    """
     ours = {change.name: change.value for change in changes if not is_ros_own(change.name)}
     if ours and len(ours) < len(changes):
         own = ", ".join(change.name for change in changes if is_ros_own(change.name))
-        raise ParameterError(f"{own} is refused beside {', '.join(ours)}, expected each in a change of its own")
+        raise ParameterError(
+            f"{own} is refused beside {', '.join(ours)}, expected each in a change of its own"
+        )
     return ours
 
 
 def declare(node: Node, entries: Sequence[Entry]) -> None:
-    """Declare parameters with type, description, unit and range; the values are the defaults of the entries."""
+    """Declare parameters with type, description, unit and range.
+
+    The values are the defaults of the entries.
+    """
     for name in overrides(node):
-        node.undeclare_parameter(name)  # declared by ROS from the overrides, without type and description
+        # ROS has declared it from the overrides, without type and description.
+        node.undeclare_parameter(name)
     for entry in entries:
         kind = Parameter.Type(_TYPES[entry.type, entry.is_array])
         value = list(entry.default) if entry.is_array else entry.default
         node.declare_parameter(
-            entry.name, Parameter(entry.name, kind, value).value, descriptor(entry), ignore_override=True
+            entry.name,
+            Parameter(entry.name, kind, value).value,
+            descriptor(entry),
+            ignore_override=True,
         )
 
 
@@ -146,14 +184,21 @@ def descriptor(entry: Entry) -> ParameterDescriptor:
         low = entry.type(-limit if spec.low is None else spec.low)
         high = entry.type(limit if spec.high is None else spec.high)
         if entry.type is float:
-            result.floating_point_range = [FloatingPointRange(from_value=low, to_value=high, step=0.0)]
+            result.floating_point_range = [
+                FloatingPointRange(from_value=low, to_value=high, step=0.0)
+            ]
         else:
             result.integer_range = [IntegerRange(from_value=low, to_value=high, step=1)]
     return result
 
 
-def follow(node: Node, entries: Sequence[Entry], take_over: Callable[[dict[str, Any]], None]) -> None:
-    """Declare parameters, and give each change of them to `take_over`; whatever that raises refuses the change."""
+def follow(
+    node: Node, entries: Sequence[Entry], take_over: Callable[[dict[str, Any]], None]
+) -> None:
+    """Declare parameters, and give each change of them to `take_over`.
+
+    Whatever that raises refuses the change.
+    """
     declare(node, entries)
 
     def on_set(changes: list[Parameter]) -> SetParametersResult:
@@ -161,7 +206,9 @@ def follow(node: Node, entries: Sequence[Entry], take_over: Callable[[dict[str, 
             if given := _asked_for(changes):
                 take_over(given)
         except Exception as error:  # also of a law of the user's
-            return SetParametersResult(successful=False, reason=shown(str(error) or repr(error), LINE))
+            return SetParametersResult(
+                successful=False, reason=shown(str(error) or repr(error), LINE)
+            )
         return SetParametersResult(successful=True)
 
     node.add_on_set_parameters_callback(on_set)

@@ -1,7 +1,7 @@
 """The line of a node to the runner that has started it: a socket that only these two processes hold.
 
-Any process on the graph can publish in the name of a node; only a child of the runner can write here. Reports for all
-tools are in /diagnostics as well.
+Any process on the graph can publish in the name of a node; only a child of the runner can write
+here. Reports for all tools are in /diagnostics as well.
 """
 
 from __future__ import annotations
@@ -30,7 +30,11 @@ PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME_SERVICE, TIMING, TALLY = WORD_KINDS
 _NEWEST_COUNTS = (PROGRESS, WAITS)  # of these kinds a word that waits is replaced by the next one
 _PATIENCE, _A_MOMENT = 1.0, 0.002  # s, for the last words to find room
 _LONGEST = 100_000  # bytes of a word
-_NO_ROOM = (errno.EAGAIN, errno.ENOBUFS, errno.ENOMEM)  # at the moment, for a word that is not too long
+_NO_ROOM = (
+    errno.EAGAIN,
+    errno.ENOBUFS,
+    errno.ENOMEM,
+)  # at the moment, for a word that is not too long
 _LASTS = 0.2  # s without a step until a node waits, and between two words about it
 
 
@@ -61,14 +65,20 @@ class Word:
 
 
 class RunnerLine:
-    """A node's end of the line, if a runner has started it; without one there is no line, and `key` is empty."""
+    """A node's end of the line, if a runner has started it.
+
+    Without one there is no line, and `key` is empty.
+    """
 
     def __init__(self) -> None:
         self._socket, self.key = _inherited()
         self._waiting: dict[object, bytes] = {}
 
     def tell(self, word: Word) -> None:
-        """Send a word now or, while the socket is full, with a later call; never wait for the runner."""
+        """Send a word now or, while the socket is full, with a later call.
+
+        Never wait for the runner.
+        """
         if self._socket is None:
             return
         self._waiting[word.kind if word.kind in _NEWEST_COUNTS else object()] = word.encoded()
@@ -109,8 +119,8 @@ def _inherited() -> tuple[socket.socket | None, bytes]:
     except (ValueError, OSError):
         return None, b""
     if line.family == socket.AF_UNIX and line.type == socket.SOCK_SEQPACKET:
-        maker = int.from_bytes(line.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 4), "little")  # of both ends
-        if str(maker) == runner:
+        peer = line.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 4)
+        if str(int.from_bytes(peer, "little")) == runner:  # it has made both ends
             return line, bytes.fromhex(key)
     line.close()
     return None, b""
@@ -146,7 +156,10 @@ class ListeningEnd:
 
 
 class Waiting:
-    """Reports repeatedly which nodes a node waits for while its steps stand still; `look` is to be called often."""
+    """Reports repeatedly which nodes a node waits for while its steps stand still.
+
+    `look` is to be called often.
+    """
 
     def __init__(self, runner: RunnerLine) -> None:
         self._runner = runner

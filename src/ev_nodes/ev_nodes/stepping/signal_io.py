@@ -1,8 +1,9 @@
 """Frames to topics and back: publisher and subscription of a signal, and the one publisher that is admitted.
 
-How it works: a topic of the graph belongs to one role. A message counts only if its publisher, by the identity that the
-middleware gives to it, belongs to the node of that role in our namespace. The look-up in the graph is slow, so that the
-identity which was admitted is remembered, and a refused one is looked up again only after a while.
+How it works: a topic of the graph belongs to one role. A message counts only if its publisher, by
+the identity that the middleware gives to it, belongs to the node of that role in our namespace. The
+look-up in the graph is slow, so that the identity which was admitted is remembered, and a refused
+one is looked up again only after a while.
 """
 
 from __future__ import annotations
@@ -28,9 +29,14 @@ from ev_nodes.stepping.taking import taker_of
 
 NAMELESS = "_UNKNOWN_"  # in the names that the middleware gives to nodes that it cannot name yet
 QUALITY = QoSProfile(depth=QUEUE_DEPTH)  # reliable, volatile, keep last
-HELD = 20 * QUEUE_DEPTH  # messages, until they are taken; those of strangers shall not displace the others
+HELD = (
+    20 * QUEUE_DEPTH
+)  # messages, until they are taken; those of strangers shall not displace the others
 _HEARD = QoSProfile(depth=HELD)
-_SOON, _LATER = 0.01, 0.2  # s of wall time between looks into the graph for a sender: not known yet, refused
+_SOON, _LATER = (
+    0.01,
+    0.2,
+)  # s of wall time between looks into the graph for a sender: not known yet, refused
 _KEPT = 100  # senders that are remembered with the time of their next look-up
 _LONG = 3.0  # s for the graph to name the node of a publisher
 _NO_IDENTITY = {"data": b""}
@@ -50,20 +56,28 @@ class Judge(Protocol):
 class Speaker:
     """Admits the messages of one publisher: of the node with this name, in the namespace of the node that listens.
 
-    Messages of every other publisher on the topic are counted in `refused`, and `refuse` is called when one is looked
-    up. Two nodes with the allowed name cannot be distinguished: neither is admitted, unless one has been already. When
-    the admitted publisher leaves the graph, another one, such as that of a restarted node, may take its place;
-    `succeeded` is called with its identity then.
+    Messages of every other publisher on the topic are counted in `refused`, and `refuse` is called
+    when one is looked up. Two nodes with the allowed name cannot be distinguished: neither is
+    admitted, unless one has been already. When the admitted publisher leaves the graph, another
+    one, such as that of a restarted node, may take its place; `succeeded` is called with its
+    identity then.
     """
 
     def __init__(
-        self, node: Node, topic: str, name: str, refuse: Refuse, succeeded: Succeeded = lambda _: None
+        self,
+        node: Node,
+        topic: str,
+        name: str,
+        refuse: Refuse,
+        succeeded: Succeeded = lambda _: None,
     ) -> None:
         self._node, self._topic, self._refuse = node, node.resolve_topic_name(topic), refuse
         self._allowed = f"{node.get_namespace().rstrip('/')}/{name}"
         self.admitted: bytes | None = None
         self.succeeded = succeeded
-        self._next_look: dict[bytes, float] = {}  # when senders that are not admitted are looked up again
+        self._next_look: dict[
+            bytes, float
+        ] = {}  # when senders that are not admitted are looked up again
         self._nameless_since: float | None = None
         self.refused = 0
 
@@ -89,10 +103,11 @@ class Speaker:
         return False
 
     def _may_speak(self, gid: bytes) -> bool:
-        """Return whether a publisher is the only one of its name; as long as its node is not known, it is not.
+        """Return whether a publisher is the only one of its name.
 
-        Where the sender of a message is not known (an empty `gid`: in executors of rclpy), it is believed as long as
-        the topic has no other publisher.
+        As long as its node is not known, it is not. Where the sender of a message is not known (an
+        empty `gid`: in executors of rclpy), it is believed as long as the topic has no other
+        publisher.
         """
         there = {
             bytes(end.endpoint_gid): f"{end.node_namespace.rstrip('/')}/{end.node_name}"
@@ -107,7 +122,8 @@ class Speaker:
                 self._refuse(name, f"{name} is refused: {self._topic} is for {self._allowed} alone")
         if len(allowed) > 1 and self.admitted not in allowed:
             self._refuse(
-                self._allowed, f"{self._allowed} is refused: {len(allowed)} nodes of this name on {self._topic}"
+                self._allowed,
+                f"{self._allowed} is refused: {len(allowed)} nodes of this name on {self._topic}",
             )
         return allowed == [gid] if gid else len(there) == len(allowed) == 1
 
@@ -120,7 +136,10 @@ class Speaker:
         if self._nameless_since is None:
             self._nameless_since = now
         elif now - self._nameless_since > _LONG:
-            self._refuse(NAMELESS, f"a sender on {self._topic} is not admitted: the graph does not name its node")
+            self._refuse(
+                NAMELESS,
+                f"a sender on {self._topic} is not admitted: the graph does not name its node",
+            )
 
 
 class SignalWriter:
@@ -128,13 +147,18 @@ class SignalWriter:
 
     def __init__(self, node: Node, topic: Topic) -> None:
         format_ = format_of(topic.signal)
-        self.publisher: Publisher = node.create_publisher(format_.message_class, topic.name, QUALITY)
+        self.publisher: Publisher = node.create_publisher(
+            format_.message_class, topic.name, QUALITY
+        )
         self._format, self._pack = format_, format_.pack
         self._publish = self.publisher.handle.publish_raw
         self._readers = self.publisher.handle.get_subscription_count
 
     def write(self, stamp: int, here: Frame) -> None:
-        """Publish the signal in a frame, whose numbers are finite; without readers it costs nearly nothing."""
+        """Publish the signal in a frame, whose numbers are finite.
+
+        Without readers it costs nearly nothing.
+        """
         if self._readers():
             self._publish(self._pack(stamp, here))
 
@@ -191,17 +215,24 @@ class Reader:
 
     def take_with_time(self, patience: int = QUEUE_DEPTH) -> tuple[bytes, int] | None:
         """Take the next message, with the wall time at which the middleware received it [ns]."""
-        for _ in range(patience):  # a sender that is faster than it is refused shall not keep the node from all else
+        for _ in range(
+            patience
+        ):  # a sender that is faster than it is refused shall not keep the node from all else
             taken = self._take()
             if taken is None:
                 return None
             message, info = taken
             if self.speaker is None or self.speaker.admits(info):
-                return message, info["received_timestamp"] or time.time_ns()  # 0: the middleware does not know
+                return message, info[
+                    "received_timestamp"
+                ] or time.time_ns()  # 0: the middleware does not know
         return None
 
     def judge(self, message: bytes, info: Mapping[str, Any]) -> bool:
-        """Receive a message if the publisher that the information names is admitted; False if it is not."""
+        """Receive a message if the publisher that the information names is admitted.
+
+        False if it is not.
+        """
         admitted = self.speaker is None or self.speaker.admits(info)
         if admitted:
             self.receive(message)
@@ -213,14 +244,17 @@ class Reader:
 
 
 class SignalReader(Reader):
-    """Receives a signal from the node of the role that writes it; `refuse` is called for others that publish it.
+    """Receives a signal from the node of the role that writes it.
 
-    `succeeded` of its speaker is called when that node has been started again.
+    `refuse` is called for others that publish it. `succeeded` of its speaker is called when that
+    node has been started again.
     """
 
     speaker: Speaker
 
-    def __init__(self, node: Node, topic: Topic, receive: Callable[[bytes], None], refuse: Refuse) -> None:
+    def __init__(
+        self, node: Node, topic: Topic, receive: Callable[[bytes], None], refuse: Refuse
+    ) -> None:
         speaker = Speaker(node, topic.name, WRITERS.get(topic.signal, RECORDER), refuse)
         self._format = format_of(topic.signal)
         super().__init__(node, self._format.message_class, topic.name, receive, speaker)

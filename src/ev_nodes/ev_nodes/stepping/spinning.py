@@ -1,9 +1,10 @@
 """Runs stepped nodes: polls what their next steps wait for and sleeps only when nothing of that has arrived.
 
-rclpy's executors build a wait set of everything for every message, services included. Here a step wakes up for one
-subscription, its last input, and polls the others; services, and so parameters, are looked at now and then, and what
-there may be besides goes through an ordinary executor. A node that has a process to itself does that in compiled code
-for as long as nothing odd comes (`node_loop`).
+rclpy's executors build a wait set of everything for every message, services included. Here a step
+wakes up for one subscription, its last input, and polls the others; services, and so parameters,
+are looked at now and then, and what there may be besides goes through an ordinary executor. A node
+that has a process to itself does that in compiled code for as long as nothing odd comes
+(`node_loop`).
 """
 
 from __future__ import annotations
@@ -31,17 +32,25 @@ _SWEEP_PERIOD = 0.01  # s between looks at all subscriptions: at least, and twic
 
 
 class Refusing:
-    """The callback of a service; where it raises, the answer has the reason, if its type has a place for that."""
+    """The callback of a service.
+
+    Where it raises, the answer has the reason, if its type has a place for that.
+    """
 
     def __init__(self, service: Service, node: Node) -> None:
         kind: Any = service.srv_type
-        self._callback, self._response, self._logger = service.callback, kind.Response, node.get_logger()
+        self._callback, self._response, self._logger = (
+            service.callback,
+            kind.Response,
+            node.get_logger(),
+        )
 
     def __call__(self, request: Any, response: Any) -> Any:
         """The answer of the callback, or a refusal."""
         try:
+            # Before any is set: rclpy would find a type that does not exist in the middle of them.
             for parameter in getattr(request, "parameters", ()):
-                Parameter.from_parameter_msg(parameter)  # before any is set: rclpy finds a type that is none on its way
+                Parameter.from_parameter_msg(parameter)
             return self._callback(request, response)
         except Exception as error:  # of any kind: other nodes wait for this one
             reason = shown(f"refused: {error}", LINE)
@@ -69,7 +78,10 @@ def refuse_what_raises(node: Node) -> None:
 
 
 class Spinnable:
-    """A node that `spin` can run; lower polling places come first. By default no message wakes it up."""
+    """A node that `spin` can run.
+
+    Lower polling places come first. By default no message wakes it up.
+    """
 
     polling_place = len(ROLES)  # behind the roles
     done = False  # True once its process may end
@@ -79,9 +91,9 @@ class Spinnable:
         raise NotImplementedError
 
     def take_steps(self, until: float, guard: int) -> bool:
-        """Take steps up to a time of the monotonic clock, and sleep in between; False if it cannot do so by itself.
+        """Take steps up to a time of the monotonic clock, and sleep in between.
 
-        The guard condition at the address wakes it up, too.
+        False if it cannot do so by itself. The guard condition at the address wakes it up, too.
         """
         return False
 
@@ -116,12 +128,15 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
         refuse_what_raises(node)
         executor.add_node(node)
     services = [service for node in in_order for service in node.services]
-    # A node that has stepped waits for others, and may sleep; nodes of one process wait for each other first.
+    # A node that has stepped waits for others, and may sleep; nodes of one process wait for each
+    # other first.
     alone = len(in_order) == 1
     next_look, next_sweep, came = 0.0, 0.0, True
     _take_over(in_order, True)
     with Alarm(in_order[0], executor.wake) as alarm:
-        with context.handle:  # the wait set is made once, because making it takes as long as waiting
+        with (
+            context.handle
+        ):  # the wait set is made once, because making it takes as long as waiting
             wait_set = rclpy_implementation.WaitSet(len(in_order), 1, 0, 0, 0, 0, context.handle)
         while not finished():
             if time.monotonic() >= next_look:
@@ -137,8 +152,9 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
             came = False
             for node in in_order:
                 came |= node.poll()
-            # Where strangers wake it up all the time, a node need not look each time at messages that no step waits
-            # for; but where messages always come, such as repeated answers, it must look now and then all the same.
+            # Where strangers wake it up all the time, a node need not look each time at messages
+            # that no step waits for; but where messages always come, such as repeated answers, it
+            # must look now and then all the same.
             late = time.monotonic() - next_sweep
             if late >= (0.0 if rested and not came else _SWEEP_PERIOD):
                 next_sweep = time.monotonic() + _SWEEP_PERIOD
@@ -160,7 +176,10 @@ def _take_over(nodes: Sequence[Any], polled: bool) -> None:
 
 
 def _answer(service: Service) -> None:
-    """Answer all calls that have arrived; the executor would look at one thing of one node at a time."""
+    """Answer all calls that have arrived.
+
+    The executor would look at one thing of one node at a time.
+    """
     kind: Any = service.srv_type
     while True:
         with service.handle:

@@ -1,6 +1,7 @@
 """The common part of all nodes of the graph: parameters, topics, and a part that is stepped by stamps.
 
-`spinning.spin` polls such a node for the inputs that its next step waits for; compiled code takes its ordinary steps.
+`spinning.spin` polls such a node for the inputs that its next step waits for; compiled code takes
+its ordinary steps.
 """
 
 from __future__ import annotations
@@ -37,16 +38,21 @@ _POLLING_ORDER = polling_order(ROLES, MASTER)
 
 
 class SteppedNode(Spinnable, Node):
-    """Plays a role: steps its part once per stamp and answers with the same stamp; `spinning` runs it.
+    """Plays a role: steps its part once per stamp and answers with the same stamp.
 
-    ParameterError or ValueError if the parameters that it is given are refused; the node does not exist then.
+    `spinning` runs it. ParameterError or ValueError if the parameters that it is given are refused;
+    the node does not exist then.
     """
 
     extra_parameters: type | None = None
 
     def __init__(self, role: str, **node_arguments: Any) -> None:
-        super().__init__(role, automatically_declare_parameters_from_overrides=True, **node_arguments)
-        configuration = configure(role, ros_parameters.given(self, node_arguments), self.extra_parameters)
+        super().__init__(
+            role, automatically_declare_parameters_from_overrides=True, **node_arguments
+        )
+        configuration = configure(
+            role, ros_parameters.given(self, node_arguments), self.extra_parameters
+        )
         self.configuration = configuration
         self.polling_place = _POLLING_ORDER.index(role)
         self.reports = Reports(self, role)
@@ -65,7 +71,9 @@ class SteppedNode(Spinnable, Node):
         self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in writes}
         self.readers: dict[type, SignalReader] = {}
         for signal in self.also_reads(self.stepper.reads):
-            reader = SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal]), self.reports.note)
+            reader = SignalReader(
+                self, TOPICS[signal], self.receiver(TOPICS[signal]), self.reports.note
+            )
             if WRITERS.get(signal) == MASTER:
                 reader.speaker.succeeded = self.reception.note_new_master
             self.readers[signal] = reader
@@ -83,7 +91,10 @@ class SteppedNode(Spinnable, Node):
         return self.configuration.common.mode == "realtime"
 
     def new_part(self, configuration: Configuration, may_wait: bool = True) -> Part:
-        """A part that plays the role, at rest, compiled first where that `may_wait`; ValueError if it cannot."""
+        """A part that plays the role, at rest, compiled first where that `may_wait`.
+
+        ValueError if it cannot.
+        """
         return part_of(configuration, compiled=is_compiled(configuration, may_wait))
 
     def also_reads(self, reads: tuple[type, ...]) -> tuple[type, ...]:
@@ -101,7 +112,10 @@ class SteppedNode(Spinnable, Node):
         self.reports.pass_on_now_and_then(self.stepper.part)
 
     def successor(self, configuration: Configuration, changed: Iterable[str] = ()) -> Part:
-        """Part that goes on with other parameters; it takes over the state of a part that has published already."""
+        """Part that goes on with other parameters.
+
+        It takes over the state of a part that has published already.
+        """
         part = self.new_part(configuration, may_wait=not self.realtime)
         if self.stepper.answer is not None:
             hand_over(self.stepper.part, part, changed)
@@ -112,7 +126,8 @@ class SteppedNode(Spinnable, Node):
         before, after = self.configuration, self.configuration.changed(given)
         part = self.successor(after, given)
         self.configuration = after
-        if (after.parameters, after.sensors, after.faults) != (before.parameters, before.sensors, before.faults):
+        lasts = before.parameters, before.sensors, before.faults
+        if (after.parameters, after.sensors, after.faults) != lasts:
             self.stepper.part = part
             self.reports.warn(f"parameters changed to {given}: the run is not reproducible")
         self.reconfigured()
@@ -121,7 +136,10 @@ class SteppedNode(Spinnable, Node):
         """Called when new parameter values are taken over."""
 
     def idle(self) -> None:
-        """Report to the runner the nodes that the next step waits for, none before its time; in real time nothing."""
+        """Report to the runner the nodes that the next step waits for, none before its time.
+
+        In real time nothing.
+        """
         if not self.realtime:
             self.report_waiting(self.stepper.inbox.last, self.wanted())
 
@@ -142,16 +160,24 @@ class SteppedNode(Spinnable, Node):
             self.reports.pass_on(stepper.part)
             if stepper.tally is not None:
                 last = -stepper.period if stepper.inbox.last is None else stepper.inbox.last
-                newest = stepper.tally.newest(last // stepper.period, stepper.answer.stamp // stepper.period)
+                newest = stepper.tally.newest(
+                    last // stepper.period, stepper.answer.stamp // stepper.period
+                )
                 self.reports.runner.tell(Word(TALLY, values=newest))
         self.reports.runner.close()
 
     def wanted(self) -> tuple[type, ...]:
-        """The signals that the next step waits for; in real time all: a step that lacks one will not be taken."""
+        """The signals that the next step waits for.
+
+        In real time all: a step that lacks one will not be taken.
+        """
         return self.stepper.reads if self.realtime else self.stepper.inbox.missing()
 
     def poll(self) -> bool:
-        """Take what the next step waits for and step where that completes the inputs; False if nothing was there."""
+        """Take what the next step waits for and step where that completes the inputs.
+
+        False if nothing was there.
+        """
         progressed = self._take_ordinary(0.0, 0.0, 0)
         if progressed is not None:
             return progressed
@@ -165,7 +191,10 @@ class SteppedNode(Spinnable, Node):
         return progressed
 
     def take_steps(self, until: float, guard: int) -> bool:
-        """Let compiled code take ordinary steps up to a time of the monotonic clock; False if it cannot."""
+        """Let compiled code take ordinary steps up to a time of the monotonic clock.
+
+        False if it cannot.
+        """
         return self._take_ordinary(until, self.wake_up_within(), guard) is not None
 
     def _take_ordinary(self, until: float, patience: float, guard: int) -> bool | None:
@@ -186,7 +215,10 @@ class SteppedNode(Spinnable, Node):
         return OrdinarySteps(self, self.ends()) if can_be_taken() else None
 
     def free_until(self) -> int:
-        """The last stamp up to which the messages alone decide when a step is taken; -1 if there is none."""
+        """The last stamp up to which the messages alone decide when a step is taken.
+
+        -1 if there is none.
+        """
         return -1 if self.realtime else stamps.LAST_EXACT
 
     def ends(self) -> list[End]:
@@ -206,7 +238,8 @@ class SteppedNode(Spinnable, Node):
     def awaits(self) -> SubscriptionHandle | None:
         """The subscription to wake up for: of the inputs that are missing the one that arrives last.
 
-        None if the next step lacks nothing but its time: a message that `poll` leaves untaken would end each rest.
+        None if the next step lacks nothing but its time: a message that `poll` leaves untaken would
+        end each rest.
         """
         wanted = self.wanted()
         return self.readers[wanted[-1]].handle if wanted else None
@@ -217,11 +250,16 @@ class SteppedNode(Spinnable, Node):
 
 
 def ask_for(p: CommonParameters) -> Iterator[str]:
-    """Ask for priority and memory for all threads of this process; one line for each that is not granted."""
+    """Ask for priority and memory for all threads of this process.
+
+    One line for each that is not granted.
+    """
     if p.scheduling_priority:
         try:
             for thread in Path("/proc/self/task").iterdir():
-                os.sched_setscheduler(int(thread.name), os.SCHED_FIFO, os.sched_param(p.scheduling_priority))
+                os.sched_setscheduler(
+                    int(thread.name), os.SCHED_FIFO, os.sched_param(p.scheduling_priority)
+                )
         except OSError as error:
             yield (
                 f"SCHED_FIFO with priority {p.scheduling_priority} is not granted ({error.strerror}): "

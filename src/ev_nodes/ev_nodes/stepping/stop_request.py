@@ -20,7 +20,9 @@ STOPPED = 130  # the status that shells know of a command that Ctrl-C has ended
 
 _A_MOMENT = 0.001  # s
 
-KEPT: list[object] = []  # objects that must not be destroyed: while there are any, a command leaves Python's end out
+KEPT: list[
+    object
+] = []  # objects that must not be destroyed: while there are any, a command leaves Python's end out
 _INTERRUPTS: list[int] = []  # signals that came as KeyboardInterrupt
 
 
@@ -37,8 +39,8 @@ def let_in() -> None:
 def turn_deaf() -> None:
     """Ignore these signals from here on: the process ends anyway, and Python's own end cannot bear them.
 
-    Where it waits for its threads it would print a traceback, and where it has put its handlers away it would be killed
-    with its shared memory left behind.
+    Where it waits for its threads it would print a traceback, and where it has put its handlers
+    away it would be killed with its shared memory left behind.
     """
     for kind in _SIGNALS:
         signal.signal(kind, signal.SIG_IGN)
@@ -47,7 +49,8 @@ def turn_deaf() -> None:
 def end_stopped(*_: object) -> NoReturn:
     """End the process as a command that was stopped, with one line, also as the handler of a signal.
 
-    Python's own end is left out: an interrupt may have left modules of C half-made, which cannot be destroyed.
+    Python's own end is left out: an interrupt may have left modules of C half-made, which cannot be
+    destroyed.
     """
     turn_deaf()
     atexit._run_exitfuncs()
@@ -69,7 +72,9 @@ def end(code: int | str | None) -> NoReturn:
 @contextmanager
 def loading() -> Iterator[None]:
     """Let these signals end the process at once while the block imports modules, with nothing to clean up."""
-    handled = [kind for kind in _SIGNALS if callable(signal.getsignal(kind))]  # in the background Ctrl-C is ignored
+    handled = [
+        kind for kind in _SIGNALS if callable(signal.getsignal(kind))
+    ]  # in the background Ctrl-C is ignored
     before = {kind: signal.signal(kind, end_stopped) for kind in handled}
     try:
         yield
@@ -85,14 +90,18 @@ def interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def was_interrupted() -> bool:
-    """Return whether an interrupt came; it may show as another error, as behind a callback from C."""
+    """Return whether an interrupt came.
+
+    It may show as another error, as behind a callback from C.
+    """
     return bool(_INTERRUPTS)
 
 
 def interrupt_destructors() -> None:
     """Let Ctrl-C end the program also where it meets a destructor: Python would print a traceback and go on.
 
-    Nor is there a traceback where an object that an interrupt has left half-made cannot be destroyed.
+    Nor is there a traceback where an object that an interrupt has left half-made cannot be
+    destroyed.
     """
     report = sys.unraisablehook
 
@@ -107,7 +116,9 @@ def interrupt_destructors() -> None:
             try:
                 start_new_thread(_interrupt_soon, (which,))
                 return
-            except KeyboardInterrupt:  # raised in here it is lost: on a busy machine a moment may be too short
+            except (
+                KeyboardInterrupt
+            ):  # raised in here it is lost: on a busy machine a moment may be too short
                 continue
 
     sys.unraisablehook = hook
@@ -123,10 +134,10 @@ def _interrupt_soon(which: signal.Signals) -> None:
 class StopRequest:
     """Remembers, for the time of its `with` block, that SIGINT or SIGTERM came.
 
-    rclpy's own handlers shut its context down under a node that is just using it, and Python's interrupt any line.
-    This leaves everything intact, so that the running code can finish and clean up. A second signal raises
-    KeyboardInterrupt wherever the program is, unless the request is `patient`; so does the first one where a law
-    never ends. For the main thread only.
+    rclpy's own handlers shut its context down under a node that is just using it, and Python's
+    interrupt any line. This leaves everything intact, so that the running code can finish and clean
+    up. A second signal raises KeyboardInterrupt wherever the program is, unless the request is
+    `patient`; so does the first one where a law never ends. For the main thread only.
     """
 
     def __init__(self, patient: bool = False) -> None:
@@ -139,7 +150,9 @@ class StopRequest:
         let_in()
         return self
 
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         REQUESTS.remove(self._is_received)
         for number, handler in self._before.items():
             if signal.getsignal(number) == self._on_signal:  # else the process has turned deaf

@@ -1,13 +1,15 @@
 """Time of day: a date that the middleware cannot send, and an alarm for a clock that was set back.
 
-How it works: the middleware's waits can last for as long as the time of day was set back. Where it was built for a C
-library that can wait by the time of day only, as the wheels of PyPI are, it adds time-outs to that: a wait of a
-millisecond lasts an hour longer if the clock is set back by an hour just then. The alarm ends our own waits by a guard
-condition. The middleware's thread, which announces a process to others and repeats lost messages, restarts its wait
-when a timer is made, as for a publisher. So the alarm makes a publisher.
+How it works: the middleware's waits can last for as long as the time of day was set back. Where it
+was built for a C library that can wait by the time of day only, as the wheels of PyPI are, it adds
+time-outs to that: a wait of a millisecond lasts an hour longer if the clock is set back by an hour
+just then. The alarm ends our own waits by a guard condition. The middleware's thread, which
+announces a process to others and repeats lost messages, restarts its wait when a timer is made, as
+for a publisher. So the alarm makes a publisher.
 
-With a publisher a process also announces its parts again. The middleware orders arrivals of different senders by the
-time of day, and may lose a message where that was set back: so the alarm makes several publishers, one after the other.
+With a publisher a process also announces its parts again. The middleware orders arrivals of
+different senders by the time of day, and may lose a message where that was set back: so the alarm
+makes several publishers, one after the other.
 """
 
 from __future__ import annotations
@@ -37,7 +39,9 @@ def too_late() -> str | None:
     now = time.time()
     if now <= _LAST or not get_rmw_implementation_identifier().startswith("rmw_fastrtps"):
         return None
-    here, last = (time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(instant)) for instant in (now, _LAST))
+    here, last = (
+        time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(instant)) for instant in (now, _LAST)
+    )
     return f"the time of day: {here} UTC is past what Fast DDS can send, expected up to {last}, or another middleware"
 
 
@@ -54,7 +58,10 @@ def ahead() -> int:
 
 
 class SetBack:
-    """Detects between two looks that the time of day was set back; `before` is what `ahead` gave first."""
+    """Detects between two looks that the time of day was set back.
+
+    `before` is what `ahead` gave first.
+    """
 
     def __init__(self, before: int) -> None:
         self._before = before
@@ -68,8 +75,8 @@ class SetBack:
 class Alarm:
     """Triggers its `guard`, which every wait of ours includes, when the time of day has been set back.
 
-    It calls `wake` as well, for an executor: even a look without waiting is a wait for no time there. It watches in its
-    `with` block, within the life of the node.
+    It calls `wake` as well, for an executor: even a look without waiting is a wait for no time
+    there. It watches in its `with` block, within the life of the node.
     """
 
     def __init__(self, node: Node, wake: Callable[[], object] = lambda: None) -> None:
@@ -78,13 +85,17 @@ class Alarm:
         with handle:
             self.guard = rclpy_implementation.GuardCondition(handle)
         self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._watch, args=(SetBack(_AT_FIRST),), name="alarm", daemon=True)
+        self._thread = threading.Thread(
+            target=self._watch, args=(SetBack(_AT_FIRST),), name="alarm", daemon=True
+        )
 
     def __enter__(self) -> Alarm:
         self._thread.start()
         return self
 
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self._ended.set()
         self._thread.join()
 
@@ -100,10 +111,15 @@ class Alarm:
                 self._speak_up()
 
     def _speak_up(self) -> None:
-        """Make a publisher on a topic of every node; where ROS has just been shut down there is no wait to end."""
+        """Make a publisher on a topic of every node.
+
+        Where ROS has just been shut down there is no wait to end.
+        """
         with suppress(RuntimeError, NotInitializedException):
             silent = PublisherEventCallbacks(use_default_callbacks=False)
-            publisher = self._node.create_publisher(ParameterEvent, "/parameter_events", 1, event_callbacks=silent)
+            publisher = self._node.create_publisher(
+                ParameterEvent, "/parameter_events", 1, event_callbacks=silent
+            )
             self._node.destroy_publisher(publisher)
 
 
