@@ -35,8 +35,8 @@ def wait_until_heard(
 
     The middleware's own time-out may go by the time of day (`time_of_day`).
     """
-    while time.monotonic() < given_up and is_wanted():
-        if publisher.wait_for_all_acked(_AT_ONCE):
+    while not publisher.wait_for_all_acked(_AT_ONCE):
+        if time.monotonic() >= given_up or not is_wanted():
             return
         time.sleep(_TO_BE_HEARD)
 
