@@ -80,8 +80,8 @@ def test_a_lap_is_driven_by_the_drawn_friction_and_scale():
     assert (law["controller"], law["reference"], law["allocation"]) == ("pi", "neutral", "least_squares")
 
 
-def test_draws_are_the_same_for_all_laws_and_the_told_friction_is_the_laws_alone():
-    """All but what the differential is given; ten draws of 5 cells, 6 laws, 5 told factors, and equal torques."""
+def test_draws_are_the_same_for_all_laws_and_the_given_friction_is_the_laws_alone():
+    """All but what the differential is given; ten draws of 5 cells, 6 laws, 5 factors, and equal torques."""
     cases = friction.cases(Namespace())
     assert len(cases) == DRAWS * (5 * 6 * 5 + 4) == 1540
     of = {case.name: [value for value in case.values if value[0] != "electronic_differential"] for case in cases}

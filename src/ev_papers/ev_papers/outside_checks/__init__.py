@@ -1,1 +1,1 @@
-"""Checks against papers on torque vectoring of which the abstract alone could be read: their claims, on our cars."""
+"""Claims of papers on torque vectoring, of which the abstract alone could be read, on our cars."""

@@ -1,8 +1,8 @@
-"""Claims of papers on torque vectoring, judged on our cars as far as their abstracts say enough.
+"""Claims of papers on torque vectoring, judged on our cars as far as their abstracts go.
 
 The texts could not be read. docs/outside_checks.md has what each abstract states and leaves open.
 
-A source has its place ORDER, the functions MEASURES that measure the numbers of published.csv, and its PANELS.
+A source has its place ORDER, its PANELS, and in MEASURES the functions that published.csv names.
 """
 
 from __future__ import annotations
