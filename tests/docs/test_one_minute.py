@@ -29,7 +29,7 @@ def test_a_law_has_a_file_a_test_and_a_place_in_the_documentation(role, method):
 
 
 def test_every_test_of_a_law_is_that_of_a_law_or_of_many():
-    """A file that is left over would test nothing that anybody finds."""
+    """A file that is left over would test nothing that a reader finds."""
     of_many = {"test_asr_launches", "test_asr_properties", "test_differential_properties", "test_lost_sensors"}
     of_many |= {"test_asr_rolling_starts", "test_own_indices", "test_slippery_hills", "test_speed_mode"}
     names = {path.stem for path in (ROOT / "tests" / "laws").glob("test_*.py")}
