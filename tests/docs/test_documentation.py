@@ -105,6 +105,12 @@ def test_images_are_small():
     assert all(image.stat().st_size < 300_000 for image in images)
 
 
+def test_every_image_is_shown():
+    shown = "\n".join(page.read_text() for page in PAGES)
+    images = [image.name for image in (ROOT / "docs" / "images").iterdir()]
+    assert [name for name in images if f"images/{name})" not in shown] == []
+
+
 def test_the_page_of_running_shows_every_option_of_run_sh(capsys: pytest.CaptureFixture[str]):
     with pytest.raises(SystemExit):
         run_scenario(["--help"])
