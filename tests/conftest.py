@@ -6,7 +6,7 @@ import resource
 import signal
 import sys
 from collections.abc import Iterator
-from itertools import groupby
+from itertools import count, groupby
 
 import numpy as np
 import pytest
@@ -20,6 +20,7 @@ settings.register_profile("ours", deadline=None, max_examples=20)
 settings.load_profile("ours")
 
 ALL = "--all-cases"
+RESULTS = "EV_STACK_RESULTS"
 _SET_BY_OTHERS = {"PYTEST_CURRENT_TEST", "PYGAME_HIDE_SUPPORT_PROMPT"}  # gymnasium does that when it is imported
 _INSTALLED = {point.value.partition(".")[0] for point in entry_points(group="ev_stack.methods")}
 _LIMITS = (resource.RLIMIT_AS, resource.RLIMIT_DATA, resource.RLIMIT_FSIZE, resource.RLIMIT_NOFILE)
@@ -74,6 +75,23 @@ def nothing_left_behind() -> Iterator[None]:
 def nothing_left_behind_by_a_module() -> Iterator[None]:
     """Nor do the fixtures that the tests of a module share."""
     yield from _unchanged("a fixture of this module")
+
+
+_numbers = count()
+
+
+@pytest.fixture(autouse=True)
+def own_results(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A test takes no result that another one has driven."""
+    monkeypatch.setenv(RESULTS, str(tmp_path_factory.getbasetemp() / "results" / str(next(_numbers))))
+
+
+@pytest.fixture(autouse=True, scope="module")
+def own_results_of_a_module(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Nor does a fixture that the tests of a module share."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(RESULTS, str(tmp_path_factory.getbasetemp() / "results" / str(next(_numbers))))
+        yield
 
 
 def _unchanged(who: str) -> Iterator[None]:

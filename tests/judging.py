@@ -6,8 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
+from ev_core.compiling.user_cache import cache_folder
+from ev_study.studies.result_store import ResultStore
 from ev_study.studies.study import Case, CaseResult, Measure, drive_case
-from ev_study.verdicts.need import Driven, Kept, Need, ScenarioNeed, Value, drive, kept_by_user
+from ev_study.verdicts.need import Driven, Need, ScenarioNeed, Value, drive, kept_by_user
 from ev_study.verdicts.sources import Published, published, sources
 from ev_study.verdicts.verdict import Verdict, verdict
 
@@ -44,6 +46,6 @@ def _with(need: Need, changed: Sequence[Value]) -> Need:
 
 
 @cache
-def _kept() -> Kept:
+def _kept() -> ResultStore:
     """Where scripts/run.sh verdicts keeps what it has driven; it stands under a digest of everything it depends on."""
-    return kept_by_user()
+    return kept_by_user(cache_folder() / "results")

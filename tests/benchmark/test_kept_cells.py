@@ -3,33 +3,34 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import time
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from schedulers import scheduler_with_two_workers
 
 from ev_core.parameters.data_file import files_in_config
 from ev_stack.recording.outcome import RunFailed
-from ev_study.benchmark import kept_cells
 from ev_study.benchmark.board import read_board
 from ev_study.benchmark.driving import DrivenCell, drive_cell
 from ev_study.benchmark.kept_cells import KeptCells
 from ev_study.benchmark.ranking.result import BoardResult
 from ev_study.commands.benchmark import run_benchmark
+from ev_study.studies.result_store import ResultStore
 
 SMALL = replace(read_board("small"), draws=2)
 STEP = "layout_1_8_c:all:step_steer:wet:*"
 LAWS = ["equal_torque", "pi"]
 
 
-def test_only_what_is_missing_or_would_be_another_number_is_driven(tmp_path: Path):
+def test_only_what_is_missing_or_would_be_another_number_is_driven():
+    store: dict[str, bytes] = {}
     cells = SMALL.cells(STEP)
-    kept = KeptCells(SMALL, cells, LAWS, tmp_path)
+    kept = KeptCells(SMALL, cells, LAWS, store)
     assert kept.missing() == {cells[0]: LAWS}
     driven = drive_cell(SMALL, cells[0], LAWS)
     kept.keep(driven)
@@ -42,7 +43,7 @@ def test_only_what_is_missing_or_would_be_another_number_is_driven(tmp_path: Pat
         (replace(SMALL, laws=laws), ["pi"]),
         (replace(SMALL, seed=2), LAWS),
     ):
-        found = KeptCells(board, board.cells(STEP), LAWS, tmp_path).missing()
+        found = KeptCells(board, board.cells(STEP), LAWS, store).missing()
         assert [law for of in found.values() for law in of] == missing
 
 
@@ -52,33 +53,34 @@ def test_an_edit_of_a_manoeuvre_and_a_choice_of_cells_leave_what_others_have_dri
     first = every[0].manoeuvre
     longer = replace(SMALL.manoeuvres[first], duration=SMALL.manoeuvres[first].duration + 1.0)
     edited = replace(SMALL, manoeuvres={**SMALL.manoeuvres, first: longer})
-    names, others = (KeptCells(board, every, LAWS).files for board in (SMALL, edited))
+    names, others = (KeptCells(board, every, LAWS, {}).names for board in (SMALL, edited))
     assert [old == new for old, new in zip(names, others, strict=True)] == [
         cell.manoeuvre != first for cell in every for _ in LAWS
     ]
-    assert KeptCells(SMALL, every[-1:], LAWS).files == names[-len(LAWS) :]
+    assert KeptCells(SMALL, every[-1:], LAWS, {}).names == names[-len(LAWS) :]
 
 
-def test_a_file_in_which_any_byte_is_another_one_is_set_aside(tmp_path: Path):
-    """Names of arrays, sizes and ways of packing are not all in the checksums of a zip. A lost end counts as well."""
+def test_what_is_broken_is_driven_again(tmp_path: Path):
+    store = ResultStore("0" * 24, tmp_path)
     cells = SMALL.cells(STEP)
-    kept = KeptCells(SMALL, cells, LAWS, tmp_path)
+    kept = KeptCells(SMALL, cells, LAWS, store)
     kept.keep(drive_cell(SMALL, cells[0], LAWS))
-    path = tmp_path / kept.files[0]
-    written, random = path.read_bytes(), np.random.default_rng(1)
-    flipped = []
-    for place in random.integers(len(written), size=200).tolist():
-        flipped.append(bytearray(written))
-        flipped[-1][place] ^= int(random.integers(1, 256))
-    for content in (*flipped, written[:-100], b""):  # a machine without power leaves an empty one
-        path.write_bytes(content)
-        with pytest.raises(RunFailed, match="is broken: the same command drives it again"):
-            kept[0]
-        assert kept.set_broken_aside() == [path]
-        assert kept.missing() == {cells[0]: [LAWS[0]]}
-        assert (tmp_path / "broken" / path.name).read_bytes() == content
-    path.write_bytes(written)
-    assert not kept.set_broken_aside() and not kept.missing()
+    path = store.path(kept.names[0])
+    path.write_bytes(path.read_bytes()[:-100])
+    with pytest.raises(RunFailed, match="is broken: the same command drives it again"):
+        kept[0]
+    assert kept.missing() == {cells[0]: [LAWS[0]]}
+
+
+def test_what_is_driven_anew_counts_as_missing_until_it_is():
+    cells = SMALL.cells(STEP)
+    kept = KeptCells(SMALL, cells, LAWS, {})
+    driven = drive_cell(SMALL, cells[0], LAWS)
+    kept.keep(driven)
+    kept.forget()
+    assert kept.missing() == {cells[0]: LAWS}
+    kept.keep(driven)
+    assert not kept.missing()
 
 
 def test_what_was_driven_with_a_file_that_has_changed_since_is_not_kept(tmp_path: Path):
@@ -87,25 +89,12 @@ def test_what_was_driven_with_a_file_that_has_changed_since_is_not_kept(tmp_path
     car.write_text(files_in_config("vehicles")["layout_1_8_c"].read_text())
     board = replace(SMALL, cars=[f"{car}:all"])
     (cell,) = cells = board.cells("*:step_steer:wet:*")
-    kept = KeptCells(board, cells, LAWS, tmp_path)
+    store: dict[str, bytes] = {}
+    kept = KeptCells(board, cells, LAWS, store)
     car.write_text(car.read_text().replace("mass: 1600.0", "mass: 1700.0"))
     with pytest.raises(RunFailed, match="has changed while the board was driven: start it again"):
         kept.keep(DrivenCell(cell, {"pi": {}}, {}, {}, {}))
-    assert not (tmp_path / "driven").exists()
-
-
-def test_what_other_sources_have_driven_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
-    """An edit of a source must not cost what took hours; it is driven again beside it."""
-    words = ["--cells", STEP, "--laws", "equal_torque", "--draws", "1", "--no-report", "--out", str(tmp_path)]
-    run_benchmark(words)
-    (before,) = (tmp_path / "driven").iterdir()
-    content = before.read_bytes()
-    monkeypatch.setattr(kept_cells, "digest_of_sources", lambda config: "f" * 24)
-    run_benchmark(words)
-    note = f"note: 1 files in {tmp_path / 'driven'} are of other sources: they are neither used nor removed"
-    assert note in "".join(capsys.readouterr())
-    assert before.read_bytes() == content
-    assert len([*(tmp_path / "driven").iterdir()]) == 2
+    assert not store
 
 
 WORDS = ["--cells", "layout_1_8_c:all:step_steer:*", "--laws", "pi", "--draws", "4", "--no-report"]
@@ -127,7 +116,7 @@ def test_a_board_that_is_killed_goes_on_with_the_same_bits(expected: str, tmp_pa
     program = "import sys; from ev_stack.commands.run_scenario import main; main(sys.argv[1:])"
     words = [sys.executable, "-c", program, "benchmark", *WORDS, "--out", str(tmp_path)]
     board = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while not [*tmp_path.glob("driven/*.npz")]:
+    while not [*Path(os.environ["EV_STACK_RESULTS"]).glob("*/*.cell")]:
         assert board.poll() is None
         time.sleep(0.01)
     board.kill()

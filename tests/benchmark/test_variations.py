@@ -301,7 +301,7 @@ def test_a_variation_that_does_not_fit_ends_the_board_before_anything_is_driven(
     """A factor on a number of a law was one on that of the law of the scenario; what laws believe was overwritten."""
     own = replace(board, variations=[variation])
     with pytest.raises(ParameterError) as refused:
-        KeptCells(own, own.cells(STEP), ["pi"])
+        KeptCells(own, own.cells(STEP), ["pi"], {})
     assert str(refused.value).startswith(f"{path}: variation of {line}")
 
 
@@ -310,5 +310,5 @@ def test_ends_of_two_variations_that_fit_together_alone_are_driven(board: Board)
     names = ("*.vehicle.wheelbase", "*.vehicle.centre_of_mass_to_rear_axle")
     own = replace(board, draws=1, variations=[Variation(name, factor=[2.0, 2.0]) for name in names])
     (cell,) = own.cells(STEP)
-    KeptCells(own, [cell], ["pi"])
+    KeptCells(own, [cell], ["pi"], {})
     assert drive_cell(own, cell, ["pi"]).hashes["pi"] != [""]

@@ -18,10 +18,10 @@ from ev_core.methods import register
 from ev_core.parameters.data_file import files_read, find_in_config
 from ev_stack.command_line.offered_commands import STUDIES
 from ev_stack.recording.outcome import RunFailed
-from ev_stack.running.output_folder import OutputFolder
 from ev_stack.scenarios import about
 from ev_study.studies import digests, kept_rows
 from ev_study.studies.kept_rows import KeptRows, MeasureAndSave
+from ev_study.studies.result_store import Results
 from ev_study.studies.study import Case, CaseResult, drive_case
 
 LAW = '''"""A law of somebody's own."""
@@ -217,62 +217,26 @@ def test_a_library_in_c_is_a_file_that_was_read(tmp_path, monkeypatch):
 CASE = Case("first", "shchur2019", duration=0.1)
 
 
-def kept(folder: Path, *of: Case, study: str = "sweep", anew: bool = False) -> KeptRows:
-    return KeptRows(folder, study, of or [CASE], anew)
+def kept(store: Results, *of: Case, study: str = "sweep") -> KeptRows:
+    return KeptRows(store, study, of or [CASE])
 
 
 def with_duration(duration: float) -> Case:
     return Case(f"{duration:g} s", "shchur2019", duration=duration)
 
 
-def test_a_row_comes_back_to_the_bit_under_any_name(tmp_path):
+def test_a_row_comes_back_to_the_bit_under_any_name():
+    store: dict[str, bytes] = {}
     measured = {"a": 1 / 3, "nan": float("nan"), "b": np.arange(3.0), "c": ("x", None, [True])}
-    kept(tmp_path).keep(CASE, CaseResult("first", measured, "hash", 0.1, 0.2, "", ("note",)))
+    kept(store).keep(CASE, CaseResult("first", measured, "hash", 0.1, 0.2, "", ("note",)))
     second = Case("second", CASE.scenario, duration=CASE.duration)
-    found = kept(tmp_path, second).of(second)
+    found = kept(store, second).of(second)
     assert (found.name, found.signal_hash, found.notes) == ("second", "hash", ("note",))
     assert (found.measured["a"], found.measured["c"]) == (measured["a"], measured["c"])
     assert np.array_equal(found.measured["b"], measured["b"])
     other = with_duration(0.2)
-    assert kept(tmp_path, other).of(other) is None
-    assert kept(tmp_path, study="compare").of(CASE) is None
-
-
-def test_a_row_in_which_a_byte_is_another_one_is_not_taken(tmp_path):
-    """Most of them could be read, with another number in them; of many lines of one case the last one counts."""
-    result = CaseResult("first", {"a": 1 / 3, "b": [1.5, 2.5], "c": ("x", None)}, "hash", 0.1, 0.2, "", ("note",))
-    kept(tmp_path).keep(CASE, result)
-    written, random = (tmp_path / "driven.jsonl").read_bytes().rstrip(), np.random.default_rng(1)
-    for _ in range(8):
-        lines = []
-        for place in random.integers(len(written), size=50).tolist():
-            lines.append(bytearray(written))
-            lines[-1][place] ^= int(random.integers(1, 256))
-        (tmp_path / "driven.jsonl").write_bytes(b"\n".join(lines))
-        assert kept(tmp_path).of(CASE) in (None, result)
-
-
-@pytest.mark.parametrize("anew", [False, True])
-def test_another_sweep_or_study_in_the_same_folder_keeps_the_rows_of_the_first(tmp_path, anew):
-    """`--out DIR` twice with other options: the rows of the first, which may have taken days, were deleted."""
-    first, second = with_duration(0.1), with_duration(0.2)
-    for case in (first, second):
-        rows = kept(tmp_path, case, anew=anew)
-        with OutputFolder(tmp_path, "study sweep", ["driven.jsonl", rows.signals_of(case)], keeps=rows.files):
-            assert rows.of(case) is None
-            rows.keep(case, CaseResult(case.name, {"x": case.duration}))
-            (tmp_path / rows.signals_of(case)).parent.mkdir(exist_ok=True)
-            (tmp_path / rows.signals_of(case)).touch()
-    both = kept(tmp_path, first, second)
-    assert [both.of(case).measured["x"] for case in (first, second)] == [0.1, 0.2]
-    assert all((tmp_path / both.signals_of(case)).exists() for case in (first, second))
-
-
-def test_what_was_driven_with_other_sources_is_not_taken(tmp_path, monkeypatch):
-    kept(tmp_path).keep(CASE, CaseResult("first", {}))
-    monkeypatch.setattr("ev_stack.report.summary.PACKAGES", ("numpy", "llvmlite", "hypothesis"))
-    assert kept(tmp_path).of(CASE) is None
-    assert kept(tmp_path).files == []
+    assert kept(store, other).of(other) is None
+    assert kept(store, study="compare").of(CASE) is None
 
 
 def test_versions_are_of_all_that_computes():
@@ -284,17 +248,9 @@ def test_a_file_that_changes_while_it_is_driven_is_told(tmp_path):
     more = tmp_path / "more.yaml"
     more.write_text("/**/asr:\n  ros__parameters:\n    method: 'off'\n")
     case = Case("first", "shchur2019", files=(more,), duration=0.1)
-    rows = kept(tmp_path, case)
+    store: dict[str, bytes] = {}
+    rows = kept(store, case)
     change(more)
     with pytest.raises(RunFailed, match=r"^first: what it depends on has changed while the study was driven"):
         rows.keep(case, CaseResult("first", {}))
-    assert not (tmp_path / "driven.jsonl").exists()
-
-
-def test_a_copy_by_hard_links_does_not_grow(tmp_path):
-    """As `cp -al` makes one: rows went into the user's copy as well."""
-    for _ in range(2):
-        kept(tmp_path).keep(CASE, CaseResult("first", {}))
-        if not (tmp_path / "copy").exists():
-            (tmp_path / "copy").hardlink_to(tmp_path / "driven.jsonl")
-    assert [len((tmp_path / name).read_text().splitlines()) for name in ("copy", "driven.jsonl")] == [1, 2]
+    assert not store

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
-import os
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,9 +15,9 @@ from run_script import ROOT
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.commands.run_scenario import main
 from ev_stack.recording.outcome import RunFailed
-from ev_stack.running.folder_content import locked
+from ev_study.studies.result_store import ResultStore
 from ev_study.studies.study import CaseResult, drive_case
-from ev_study.verdicts.need import Kept, ScenarioNeed, StudyNeed, cases_of, drive
+from ev_study.verdicts.need import ScenarioNeed, StudyNeed, cases_of, drive, kept_by_user
 
 HOLDING = ScenarioNeed("shchur2019_steps", runs=("hold_manual",), duration=0.1)
 SHORT_STUDY = StudyNeed("five_methods", ("--seeds", "1", "--drivers", "pulse"))
@@ -34,6 +32,11 @@ def mine(request: WheelTorqueRequest) -> WheelTorqueCommand:
 """
 
 
+def kept(folder: Path) -> ResultStore:
+    """What an earlier command has kept there."""
+    return ResultStore("0" * 24, folder)
+
+
 def counting(driven: list[str]):
     def drive_cases(cases, measures):
         driven.extend(case.run for case in cases)
@@ -44,8 +47,8 @@ def counting(driven: list[str]):
 
 def test_a_run_is_driven_once(tmp_path: Path):
     driven: list[str] = []
-    first = drive([HOLDING, HOLDING], Kept(tmp_path), counting(driven))[HOLDING]
-    again = drive([HOLDING], Kept(tmp_path), counting(driven))[HOLDING]
+    first = drive([HOLDING, HOLDING], kept(tmp_path), counting(driven))[HOLDING]
+    again = drive([HOLDING], kept(tmp_path), counting(driven))[HOLDING]
     assert driven == ["hold_manual"]
     assert list(again.runs) == ["hold_manual"]
     assert np.array_equal(first.runs["hold_manual"].time, again.runs["hold_manual"].time)
@@ -87,7 +90,7 @@ def test_a_case_is_kept_by_the_texts_of_the_files_that_it_names(way: str, tmp_pa
 def test_another_parameter_is_another_run(tmp_path: Path):
     driven: list[str] = []
     changed = ScenarioNeed("shchur2019_steps", (("steering_column", "damping", 8.0),), ("hold_manual",), 0.1)
-    drive([HOLDING, changed], Kept(tmp_path), counting(driven))
+    drive([HOLDING, changed], kept(tmp_path), counting(driven))
     assert driven == ["hold_manual", "hold_manual"]
     assert changed.command == "shchur2019_steps --set steering_column.damping=8.0 --duration 0.1"
 
@@ -99,8 +102,8 @@ def measuring(cases, measures):
 
 
 def test_what_a_study_has_measured_is_kept(tmp_path: Path):
-    drive([SHORT_STUDY], Kept(tmp_path), measuring)
-    again = drive([SHORT_STUDY], Kept(tmp_path), lambda *jobs: pytest.fail("nothing is left to drive"))[SHORT_STUDY]
+    drive([SHORT_STUDY], kept(tmp_path), measuring)
+    again = drive([SHORT_STUDY], kept(tmp_path), lambda *jobs: pytest.fail("nothing is left to drive"))[SHORT_STUDY]
     assert list(again.results) == [case.name for case in cases_of(SHORT_STUDY)]
     assert all(result.measured == {"x": 1.0} for result in again.results.values())
 
@@ -111,74 +114,36 @@ def test_what_was_measured_before_a_stop_is_not_driven_again(tmp_path: Path):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        drive([SHORT_STUDY], Kept(tmp_path), stopped)
+        drive([SHORT_STUDY], kept(tmp_path), stopped)
     left: list[str] = []
     drive(
         [SHORT_STUDY],
-        Kept(tmp_path),
+        kept(tmp_path),
         lambda cases, measures: left.extend(c.name for c in cases) or measuring(cases, measures),
     )
     assert left == [case.name for case in cases_of(SHORT_STUDY)][2:]
 
 
 def test_a_refused_case_of_a_study_stays_refused(tmp_path: Path):
-    drive([SHORT_STUDY], Kept(tmp_path), lambda cases, measures: [CaseResult(c.name, {}, refused="no") for c in cases])
-    again = drive([SHORT_STUDY], Kept(tmp_path), drive_here)[SHORT_STUDY]
+    drive([SHORT_STUDY], kept(tmp_path), lambda cases, measures: [CaseResult(c.name, {}, refused="no") for c in cases])
+    again = drive([SHORT_STUDY], kept(tmp_path), drive_here)[SHORT_STUDY]
     assert {result.refused for result in again.results.values()} == {"no"}
 
 
-def test_what_other_sources_have_left_is_removed(tmp_path: Path):
-    """The oldest, and of it what a run has written; what is not ours stays."""
-    folders = [tmp_path / f"recordings_{n:024x}" for n in range(4)]
-    for n, old in enumerate(folders):
-        old.mkdir()
-        (old / "run.npz").touch()
-        if n == 1:
-            (old / "thesis.pdf").touch()
-        os.utime(old, (n, n))
-    for name in ("mine", "recordings_mine"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "run.npz").touch()
-        os.utime(tmp_path / name, (0, 0))
-    (tmp_path / f"recordings_{9:024x}").symlink_to("gone")  # as if another command had just removed it
-    Kept(tmp_path)
-    assert [old.exists() for old in folders] == [False, True, True, True]
-    assert [path.name for path in folders[1].iterdir()] == ["thesis.pdf"]
-    assert (tmp_path / "mine/run.npz").exists() and (tmp_path / "recordings_mine/run.npz").exists()
-
-
-def test_what_another_command_uses_stays(tmp_path: Path):
-    """Whatever its age: a run of another checkout ended with "No such file" when this one began."""
-    folders = [tmp_path / f"driven_{n:024x}" for n in range(4)]
-    for n, other in enumerate(folders):
-        other.mkdir()
-        (other / "run.npz").touch()
-        os.utime(other, (n, n))
-    with locked(folders[0], fcntl.LOCK_SH):
-        mine = Kept(tmp_path)
-        assert [each.exists() for each in folders] == [True, False, True, True]
-    used = mine.of("", CHEAP).parent
-    with pytest.raises(BlockingIOError), locked(used, fcntl.LOCK_EX | fcntl.LOCK_NB):
-        pytest.fail("another command may remove what this one uses")
-    del mine
-    with locked(used, fcntl.LOCK_EX | fcntl.LOCK_NB):
-        assert used.exists()
-
-
 def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Path):
-    """The second command ended in a FileExistsError, and half a file, of a crash, kept all verdicts from being."""
+    """The second of two commands takes the file of the first; half a file, of a crash, counts as missing."""
     driven: list[str] = []
-    kept = Kept(tmp_path)
+    store = kept(tmp_path)
 
     def both(cases, measures):
         drive_here(cases, measures)
         return counting(driven)(cases, measures)
 
-    drive([HOLDING], kept, both)
-    path = kept.of("", CHEAP)
+    drive([HOLDING], store, both)
+    (path,) = store.folder.iterdir()
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
-    drive([HOLDING], kept, counting(driven))
+    drive([HOLDING], store, counting(driven))
     assert len(driven) == 2
     assert path.read_bytes() == whole
 
@@ -186,20 +151,20 @@ def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Pa
 def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     from ev_study.studies import digests
 
-    Kept(tmp_path)
+    kept_by_user(tmp_path)
     before = set(tmp_path.iterdir())
     files = [*digests._config()]
     other = tmp_path / "other.yaml"
     other.write_text("x: 1\n")
     monkeypatch.setattr(digests, "_config", lambda: [*files, ("other.yaml", other)])
-    Kept(tmp_path)
+    kept_by_user(tmp_path)
     assert [path.is_dir() for path in set(tmp_path.iterdir()) - before - {other}] == [True]
 
 
 def test_a_run_that_cannot_be_driven_is_one_line(tmp_path: Path):
     refusing = lambda cases, measures: [CaseResult(case.name, {}, refused="no") for case in cases]  # noqa: E731
     with pytest.raises(RunFailed, match=r"^shchur2019_steps --duration 0\.1 hold_manual: no$"):
-        drive([HOLDING], Kept(tmp_path), refusing)
+        drive([HOLDING], kept(tmp_path), refusing)
 
 
 def test_command_writes_one_object_for_each_id(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
@@ -234,4 +199,4 @@ def test_unknown_source_is_one_line(command: str):
 
 def test_a_misspelt_parameter_is_refused(tmp_path: Path):
     with pytest.raises(ParameterError, match="dampling"):
-        drive([ScenarioNeed("shchur2019_steps", (("steering_column", "dampling", 8.0),))], Kept(tmp_path), drive_here)
+        drive([ScenarioNeed("shchur2019_steps", (("steering_column", "dampling", 8.0),))], kept(tmp_path), drive_here)

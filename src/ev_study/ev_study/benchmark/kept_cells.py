@@ -1,8 +1,7 @@
-"""What a board has driven, a file for each law in each cell: memory stays flat, and a stopped board goes on."""
+"""What a board has driven, by law and cell: memory stays flat, and a stopped board goes on."""
 
 from __future__ import annotations
 
-import hashlib
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -11,38 +10,34 @@ from pathlib import Path
 import numpy as np
 
 from ev_core.lockstep.configuration import Configuration
-from ev_core.parameters.data_file import SIGNALS, files_read, read_data
+from ev_core.parameters.data_file import files_read
 from ev_stack.recording.outcome import RunFailed
-from ev_stack.recording.recording import atomic_file
 from ev_stack.running.folder_content import digest_of
 from ev_stack.scenarios.scenario import Run
 from ev_study.benchmark.added import refuse_variations
 from ev_study.benchmark.board import Board, Cell
 from ev_study.benchmark.cell_runs import law_of, run_of, values_of
 from ev_study.benchmark.driving import DrivenCell
-from ev_study.studies.digests import digest_of_sources, short_digest
+from ev_study.studies.digests import short_digest
 from ev_study.studies.kept_rows import run_key
+from ev_study.studies.result_store import Results
 
-FOLDER, BROKEN = "driven", "broken"
 Part = Mapping[str, np.ndarray]  # of a law in a cell
-_DIGEST = hashlib.sha256().digest_size
 _METRIC, _CLEAN, _HASHES, _COMMANDS = "metric ", "clean", "hashes", "commands"
 
 
 class KeptCells(Sequence[DrivenCell]):
     """The cells of a board as some laws have driven them, each read when it is asked for.
 
-    The name of a file is a digest of all that its numbers depend on, behind that of our sources. `runs` are some with
-    all methods that drive. Without a folder everything is kept in memory. ParameterError for what the file of the board
-    gets wrong.
+    They stand in `results` under a digest of all that their numbers depend on beside our sources. `runs` are some with
+    all methods that drive. ParameterError for what the file of the board gets wrong.
     """
 
-    def __init__(self, board: Board, cells: Sequence[Cell], laws: Sequence[str], folder: Path | None = None) -> None:
-        self._cells, self._laws, self._folder = cells, laws, folder
-        self._memory: dict[str, Part] = {}
+    def __init__(self, board: Board, cells: Sequence[Cell], laws: Sequence[str], results: Results) -> None:
+        self._cells, self._laws, self._results = cells, laws, results
         self._read: dict[str, str] = {}
+        self._anew = set[str]()
         self.runs: list[Run] = []
-        self._sources = digest_of_sources(config=True)
         self._names = dict(self._named(board))
         refuse_variations(board, self.runs)
 
@@ -69,7 +64,7 @@ class KeptCells(Sequence[DrivenCell]):
                 declared = replace(others, laws={law: board.laws[law]}, manoeuvres=manoeuvres)
                 keys = of_runs[cell.car, cell.manoeuvre], of_laws[cell.car, law]
                 digest = short_digest((declared, replace(cell, board=""), *keys))
-                yield (cell, law), f"{FOLDER}/{self._sources}_{digest}.npz"
+                yield (cell, law), f"{digest}.cell"
 
     def _key_of(self, make: Callable[[], Run]) -> tuple[str, Run]:
         with files_read() as read:
@@ -83,29 +78,19 @@ class KeptCells(Sequence[DrivenCell]):
         return [self._laws] * len(self._cells)
 
     @property
-    def files(self) -> list[str]:
-        """The names of all files, below the folder."""
+    def names(self) -> list[str]:
+        """What they are called in `results`."""
         return list(dict.fromkeys(self._names.values()))
 
-    def is_of_our_sources(self, name: str) -> bool:
-        """Whether a file, of these cells and laws or of others, was driven by our sources as they are."""
-        return name.startswith(f"{FOLDER}/{self._sources}_")
-
-    def set_broken_aside(self) -> list[Path]:
-        """Move files of our sources that are not what was written to the folder BROKEN; where they were."""
-        found = []
-        for path in sorted((self._folder / FOLDER).glob("*.npz")) if self._folder is not None else ():
-            if self.is_of_our_sources(f"{FOLDER}/{path.name}") and not _is_whole(path):
-                (path.parents[1] / BROKEN).mkdir(exist_ok=True)
-                found.append(path)
-                path.replace(path.parents[1] / BROKEN / path.name)
-        return found
+    def forget(self) -> None:
+        """Count all as missing until they have been driven again."""
+        self._anew = set(self._names.values())
 
     def missing(self) -> dict[Cell, list[str]]:
         """By cell the laws that have not driven it."""
         found: dict[Cell, list[str]] = {}
         for (cell, law), name in self._names.items():
-            if not (name in self._memory if self._folder is None else (self._folder / name).exists()):
+            if name in self._anew or name not in self._results:
                 found.setdefault(cell, []).append(law)
         return found
 
@@ -121,20 +106,17 @@ class KeptCells(Sequence[DrivenCell]):
             texts = {_HASHES: driven.hashes[law], _COMMANDS: driven.commands[law]}
             part = {f"{_METRIC}{name}": values for name, values in metrics.items()} | {_CLEAN: driven.clean[law]}
             part |= {name: np.array([each.encode() for each in of]) for name, of in texts.items()}
+            np.savez_compressed(content := io.BytesIO(), **part)
             name = self._names[driven.cell, law]
-            if self._folder is None:
-                self._memory[name] = part
-                continue
-            (self._folder / FOLDER).mkdir(exist_ok=True)
-            with atomic_file(self._folder / name, replaces=True) as file:
-                np.savez_compressed(written := io.BytesIO(), **part)
-                file.write(written.getvalue() + hashlib.sha256(written.getvalue()).digest())
+            self._results[name] = content.getvalue()
+            self._anew.discard(name)
 
     def _part(self, name: str) -> Part:
-        """What a file holds; RunFailed if it is not what was written."""
-        if self._folder is None:
-            return self._memory[name]
-        with np.load(io.BytesIO(_content(self._folder / name)), allow_pickle=False) as file:
+        """What a law has driven in a cell; RunFailed if it is not what was written."""
+        content = self._results.get(name)
+        if content is None:
+            raise RunFailed(f"{name} is broken: the same command drives it again")
+        with np.load(io.BytesIO(content), allow_pickle=False) as file:
             return dict(file)
 
     def __len__(self) -> int:
@@ -152,23 +134,6 @@ class KeptCells(Sequence[DrivenCell]):
                 [each.decode() for each in part[name].tolist()] for name in (_HASHES, _COMMANDS)
             )
         return driven
-
-
-def _content(path: Path) -> bytes:
-    """That of a file, of which the SHA-256 behind it is right; RunFailed if it is another one."""
-    found = read_data(path, SIGNALS, is_input=False)
-    content, digest = found[:-_DIGEST], found[-_DIGEST:]
-    if hashlib.sha256(content).digest() != digest:
-        raise RunFailed(f"{path} is broken: the same command drives it again")
-    return content
-
-
-def _is_whole(path: Path) -> bool:
-    try:
-        _content(path)
-    except (OSError, RunFailed):
-        return False
-    return True
 
 
 def _playing(run: Run, nodes: Mapping[str, Configuration]) -> Run:

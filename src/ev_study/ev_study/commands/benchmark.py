@@ -21,7 +21,7 @@ from ev_stack.command_line.refusal import Parser
 from ev_stack.commands.drive_scenario import drive_scenario
 from ev_stack.figures.saving import save_figures
 from ev_stack.figures.sheets import drawn
-from ev_stack.recording.outcome import announce, bar_of_runs
+from ev_stack.recording.outcome import bar_of_runs
 from ev_stack.report.summary import versions, write_summary
 from ev_stack.report.tables import text_table
 from ev_stack.running.output_folder import OutputFolder
@@ -29,13 +29,15 @@ from ev_study.benchmark.added import check_laws, with_added
 from ev_study.benchmark.board import Board, Cell, read_board
 from ev_study.benchmark.driving import DrivenCell, drive_cell, drive_law, laws_in_cell
 from ev_study.benchmark.held_out import held_out
-from ev_study.benchmark.kept_cells import BROKEN, FOLDER, KeptCells
+from ev_study.benchmark.kept_cells import KeptCells
 from ev_study.benchmark.ranking.drawing import board_sheet
 from ev_study.benchmark.ranking.law_pages import law_page, overview
 from ev_study.benchmark.ranking.result import BoardResult
 from ev_study.benchmark.ranking.run_files import RUNS, write_runs
 from ev_study.benchmark.ranking.tables import CELL_COLUMNS, SCORE_COLUMNS, cell_rows, closed_division, score_rows
 from ev_study.benchmark.step_times import step_times
+from ev_study.studies.digests import digest_of_sources
+from ev_study.studies.result_store import ResultStore
 from ev_study.studies.workers import load_for, perform_jobs
 
 FIGURE = "board"
@@ -62,12 +64,11 @@ def run_benchmark(argv: Sequence[str]) -> None:
         )
     cells = board.cells(given.cells)
     out = given.out or Path("results/benchmark")
-    kept = KeptCells(board, cells, laws, None if given.secret else out)
-    names = [] if given.secret else kept.files
-    if broken := kept.set_broken_aside():
-        more = f" and {len(broken) - 1} more" if len(broken) > 1 else ""
-        announce(f"{broken[0]}{more}: broken, set aside in {out / BROKEN}, driven again where it is needed")
-    with OutputFolder(out, "benchmark", [*FILES, *names], keeps=_kept(out, kept, given)) as folder:
+    results = {} if given.secret else ResultStore(digest_of_sources(config=True))
+    kept = KeptCells(board, cells, laws, results)
+    if given.anew:
+        kept.forget()
+    with OutputFolder(out, "benchmark", FILES) as folder:
         before = _drive(board, kept, given.scheduler, given.workers)
         result = BoardResult(board, laws, kept, _words(given), step_times(board, cells[0], laws))
         if not given.secret:
@@ -91,7 +92,7 @@ def drive_board(board: Board, pattern: str = "*", laws: Sequence[str] = ()) -> B
     """Drive the cells that fit with some laws, all if none is named, and keep what they give in memory."""
     chosen = list(laws or board.laws)
     cells = board.cells(pattern)
-    kept = KeptCells(board, cells, chosen)
+    kept = KeptCells(board, cells, chosen, {})
     _drive(board, kept)
     return BoardResult(board, chosen, kept, ["benchmark", board.name], step_times(board, cells[0], chosen))
 
@@ -122,15 +123,6 @@ def _jobs(board: Board, cell: Cell, laws: Sequence[str]) -> Iterator[tuple[Board
         yield board, cell, laws[begin : begin + count], 1
 
 
-def _kept(out: Path, kept: KeptCells, given: argparse.Namespace) -> list[str]:
-    """The files of earlier boards that are not driven anew; those of other sources took hours, too, and stay."""
-    found = [f"{FOLDER}/{each.name}" for each in (out / FOLDER).glob("*.npz")]
-    if others := sum(not kept.is_of_our_sources(each) for each in found):
-        announce(f"note: {others} files in {out / FOLDER} are of other sources: they are neither used nor removed")
-    anew = set(kept.files if given.anew else ())
-    return [each for each in found if each not in anew]
-
-
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(prog="run.sh benchmark", description="scripts/run.sh benchmark: laws ranked on a board.")
     parser.add_argument("board", nargs="?", help="name or path of a board; default: small")
@@ -150,7 +142,7 @@ def _parser() -> argparse.ArgumentParser:
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
     where.add_argument("--workers", type=int, metavar="N", help="worker processes here; default: one per core")
-    parser.add_argument("--anew", action="store_true", help="drive again what was driven before with this --out")
+    parser.add_argument("--anew", action="store_true", help="drive again what was driven before")
     parser.add_argument(
         "--drive", metavar="LAW:DRAW", help="one run of the only cell that fits, as a scenario, over DDS"
     )

@@ -27,7 +27,6 @@ from ev_study.measured.free_parameters import GROUPS, free_parameters
 from ev_study.measured.identification import identify, moved_by_scales
 from ev_study.measured.identified import CAR, FILES_OF_IDENTIFICATION, PARTS, Identified
 from ev_study.measured.intervals import knowledge
-from ev_study.measured.journal import Journal, search_key
 from ev_study.measured.motor_map import FILES_OF_MOTOR, MOTOR, fit_motor, motor_table, write_motor
 from ev_study.measured.records.bags import is_foreign
 from ev_study.measured.records.loose_bags import without_metadata
@@ -55,11 +54,13 @@ from ev_study.measured.replays.open_loop import (
 from ev_study.measured.replays.plausibility import contradictions
 from ev_study.measured.replays.validation import FILES, Validation, signals_to_show
 from ev_study.measured.rig import read_rig
+from ev_study.measured.search_key import search_key
 from ev_study.measured.tyre_fit import fit_tyre
 from ev_study.measured.tyre_report import FILES_OF_TYRE, TYRE, tyre_table, write_tyre
 from ev_study.replay.recorded import find_recorded
+from ev_study.studies.digests import digest_of_sources
+from ev_study.studies.result_store import Answers, ResultStore
 
-JOURNAL = "search.journal"  # of a search that is under way
 # Largest values of options of `identify`, each above 0.
 _MOST = {"starts": 1000, "steps": 100_000, "every": 100_000, "prior": 1e6, "train": 1.0}
 _OF_A_RUN = (".npz", ".mcap", ".db3", "")  # what a recording of ours may end with; the last is a folder
@@ -173,23 +174,22 @@ def run_identify(argv: Sequence[str]) -> None:
             raise unknown_name("--signals", name, replay.compared)
     seed = given.seed or 0
     key = search_key(replay, free, signals, given.every, given.prior, given.starts, seed, given.steps, given.impose)
-    reads, files = [given.record, given.mapping, *files_read(given)], (*FILES_OF_IDENTIFICATION, JOURNAL)
-    with OutputFolder(given.out, "identify", files, keeps=[JOURNAL], reads=reads) as folder:
-        journal = Journal(folder.directory / JOURNAL, key)
+    reads = [given.record, given.mapping, *files_read(given)]
+    answers = Answers(ResultStore(digest_of_sources()), key)
+    with OutputFolder(given.out, "identify", FILES_OF_IDENTIFICATION, reads=reads) as folder:
         fitted = identify(
             replay, free, signals, every=given.every, width=given.prior, starts=given.starts, seed=seed,
-            most=given.steps, progress=lambda line: print(line, flush=True), journal=journal,
+            most=given.steps, progress=lambda line: print(line, flush=True), answers=answers,
         )  # fmt: skip
         known = knowledge(fitted.residuals, fitted.derivatives, fitted.values, free, given.prior, seed)
         moved = moved_by_scales(replay, free, fitted, given.every, given.prior)
         found = Identified(free, fitted, known, replays, stated, beside, command_of(["identify", *argv]), moved)
         print(found.table())
         found.write(folder.directory, not given.no_report)
-        journal.remove()
     for note in (*record.notes, *replay.notes):
         print(f"note: {note}")
-    if journal.taken:
-        print(f"went on behind {journal.taken} evaluations of a search that was stopped")
+    if answers.taken:
+        print(f"went on behind {answers.taken} evaluations of an earlier search")
     print(f"car: {folder.directory / CAR}")
 
 

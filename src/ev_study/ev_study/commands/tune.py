@@ -23,14 +23,14 @@ from ev_study.benchmark.board import COSTS, Board, by_role, read_board
 from ev_study.benchmark.cell_runs import law_of, run_of, values_of
 from ev_study.benchmark.held_out import with_cases
 from ev_study.benchmark.kept_cells import KeptCells
-from ev_study.measured.journal import Journal
-from ev_study.studies.kept_rows import short_digest
+from ev_study.studies.digests import digest_of_sources, short_digest
+from ev_study.studies.result_store import Answers, ResultStore
 from ev_study.tuning.free import Free, free_parameters
 from ev_study.tuning.search import Candidate, chosen, search
 from ev_study.tuning.training import Reference, Training
 
 ALL = "all"
-HISTORY, JOURNAL = "history.csv", "search.journal"
+HISTORY = "history.csv"
 
 
 def run_tune(argv: Sequence[str]) -> None:
@@ -53,13 +53,10 @@ def run_tune(argv: Sequence[str]) -> None:
                 announce(f"note: {law}: {each.name} starts at {each.start:g}: from {each.low:g} to {each.high:g}")
     references = _references(board, given)
     keys = {name: search_key(references, name, free[name], given) for name in names}
-    journals = []
     for name in names:
         of = given.out or Path("results/tune")
         folder = of / name if len(laws) > 1 or not given.out else of
-        journals.append(_tune(name, folder, references, free[name], keys[name], given, command_of(["tune", *argv])))
-    for journal in journals:  # up to here a command that was stopped finds all of them
-        journal.remove()
+        _tune(name, folder, references, free[name], keys[name], given, command_of(["tune", *argv]))
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -115,21 +112,21 @@ def _tune(
     key: str,
     given: argparse.Namespace,
     command: str,
-) -> Journal:
+) -> None:
     result = f"{name}_tuned.yaml"
     reads = [given.board, *(word.partition("=")[2] for word in given.laws)]
-    with OutputFolder(out, "tune", (result, HISTORY, JOURNAL), keeps=[JOURNAL], reads=reads) as folder:
-        journal = Journal(folder.directory / JOURNAL, key)
+    with OutputFolder(out, "tune", (result, HISTORY), reads=reads) as folder:
+        answers = Answers(ResultStore(digest_of_sources(config=True)), key)
         training, validation = (
-            Training(of.board, name, of.driven(journal.answer), given.cost, given.threads) for of in references
+            Training(of.board, name, of.driven(answers.answer), given.cost, given.threads) for of in references
         )
-        taken, reference = journal.taken, references[0].board.reference
+        taken, reference = answers.taken, references[0].board.reference
         history, more = [], min(given.finalists + 1, given.budget) * validation.runs
         with bar_of_runs(f"tune {name}", given.budget * training.runs + more) as bar:
-            for candidate in search(training, free, given.budget, given.seed, journal.answer):
+            for candidate in search(training, free, given.budget, given.seed, answers.answer):
                 history.append(candidate)
                 bar.update(training.runs)
-            best, cost, before = chosen(history, validation, free, given.finalists, journal.answer)
+            best, cost, before = chosen(history, validation, free, given.finalists, answers.answer)
             bar.update(more)
         lines = [
             command,
@@ -144,15 +141,14 @@ def _tune(
             print(f"  {each.name:40} {each.start:.6g} -> {best.values[each.name]:.6g}")
         _write(folder.directory / result, free, best, lines)
         _write_history(folder.directory / HISTORY, history)
-    if journal.taken > taken:
-        print(f"went on behind {journal.taken - taken} generations of a search that was stopped")
+    if answers.taken > taken:
+        print(f"went on behind {answers.taken - taken} generations of an earlier search")
     print(f"{len(history)} candidates of {training.runs} runs; parameters: {folder.directory / result}")
-    return journal
 
 
 def search_key(references: Sequence[Reference], law: str, free: Sequence[Free], given: argparse.Namespace) -> str:
     """A digest of all that the costs of a law depend on but the candidates: its runs, and those of the reference."""
-    runs = [KeptCells(of.board, of.cells, [of.board.reference, law]).files for of in references]
+    runs = [KeptCells(of.board, of.cells, [of.board.reference, law], {}).names for of in references]
     scales = [of.board.scales for of in references]
     return short_digest((runs, scales, [*free], given.cost, given.seed))
 

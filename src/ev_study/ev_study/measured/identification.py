@@ -9,9 +9,9 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 
 from ev_study.measured.free_parameters import FreeParameter, changes
-from ev_study.measured.journal import Journal
 from ev_study.measured.records.record import LONGITUDINAL, SIDESLIP, YAW_RATE
 from ev_study.measured.replays.open_loop import OpenLoop
+from ev_study.studies.result_store import Answers
 
 STEP = 1e-3  # of a scale, for forward differences: far above rounding, far below any curvature of the errors
 WORST = 50.0  # weighted error of a window whose car has left all numbers behind
@@ -47,11 +47,11 @@ class Residuals:
         weights: Mapping[str, float],
         every: int,
         width: float,
-        journal: Journal | None = None,
+        answers: Answers | None = None,
     ) -> None:
         """Of each `every`-th sample; the prior about the start is `width` scales wide."""
         self._replay, self._free, self.weights, self._every = replay, free, weights, every
-        self._journal = journal
+        self._answers = answers
         self.scale = np.array([each.scale for each in free])
         self.begin = np.array([each.start for each in free]) / self.scale
         self.ends = np.array([[each.low, each.high] for each in free]).T / self.scale
@@ -60,7 +60,7 @@ class Residuals:
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """(points, windows, signals times samples)."""
-        return self._journal.answer(points, self._computed) if self._journal else self._computed(points)
+        return self._answers.answer(points, self._computed) if self._answers else self._computed(points)
 
     def _computed(self, points: np.ndarray) -> np.ndarray:
         cars = changes(self._free, np.clip(points, *self.ends) * self.scale, self._replay.configurations)
@@ -137,7 +137,7 @@ def identify(
     seed: int,
     most: int,
     progress: Callable[[str], None] = lambda line: None,
-    journal: Journal | None = None,
+    answers: Answers | None = None,
 ) -> Fitted:
     """The best of several starts: that of the file, and others up to 20 % of a scale beside it, drawn by the seed.
 
@@ -148,10 +148,10 @@ def identify(
     """
     floors = floors_of(replay, signals)
     weights = {name: max(0.1 * float(np.nanstd(replay.measured(name))), floors[name]) for name in signals}
-    of = Residuals(replay, free, weights, every, width, journal)
+    of = Residuals(replay, free, weights, every, width, answers)
     first = of.fit(of.begin, most)
     progress(f"start 1: cost {first.cost:.6g} in {first.nfev} steps, by a tenth of each signal")
-    of = Residuals(replay, free, of.left(first.x, floors), every, width, journal)
+    of = Residuals(replay, free, of.left(first.x, floors), every, width, answers)
     random = np.random.Generator(np.random.PCG64(seed))
     found = []
     for number in range(starts):

@@ -1,4 +1,4 @@
-"""What a study has driven, on disk: one that was stopped goes on, and one that has grown drives only what is new.
+"""Rows of studies that were driven before: a stopped study goes on, and one that has grown drives only what is new.
 
 What the result of a case depends on is a digest: it is taken again while nothing of it changes. (A cache of the
 library's, such as joblib's, knows the arguments of a function, but neither the files that it reads nor our sources.)
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,12 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.parameters.data_file import SIGNALS, files_read, read_data
+from ev_core.parameters.data_file import files_read
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.recording.outcome import RunFailed
-from ev_stack.recording.recording import Recording, atomic_file, save
+from ev_stack.recording.recording import Recording, save
 from ev_stack.scenarios.scenario import Run
-from ev_study.studies.digests import digest_of_sources, short_digest, text_of_method, text_of_report, text_of_study
+from ev_study.studies.digests import short_digest, text_of_method, text_of_report, text_of_study
+from ev_study.studies.result_store import Results
 from ev_study.studies.study import Case, CaseResult, Measure, run_of
 
 
@@ -55,27 +56,18 @@ def run_key(make: Callable[[], Run], *choices: object) -> tuple[str, Run]:
     return short_digest((*choices, run.name, run.duration, measured, roles, read)), run
 
 
-DRIVEN = "driven.jsonl"
-_DIGEST = "digest"  # of the rest of a line
 _ARRAY, _TUPLE = "array", "tuple"  # what JSON does not know, as objects with one of these keys
 
 
 class KeptRows:
-    """A line for each case that was driven, with a digest of all that its result depends on.
+    """What the cases of a study have given, each under a digest of all that it depends on.
 
-    What was driven with other sources is left out; what is of other cases, or of another study, stays. ParameterError
-    if none of the cases can be driven.
+    ParameterError if none of the cases can be driven.
     """
 
-    def __init__(self, folder: Path, study: str, cases: Sequence[Case], anew: bool = False) -> None:
-        self._path, self._study = folder / DRIVEN, study
-        self._sources = digest_of_sources()
+    def __init__(self, results: Results, study: str, cases: Sequence[Case]) -> None:
+        self._results, self._study = results, study
         self._keys = dict(self._resolved(cases))
-        text = read_data(self._path, SIGNALS).decode(errors="replace") if self._path.is_file() else ""
-        self._gap = "\n" if text and not text.endswith("\n") else ""
-        self._results = {line["case"]: line["result"] for line in self._lines(text)}
-        for key in self._keys.values() if anew else ():
-            self._results.pop(key, None)
 
     def _resolved(self, cases: Sequence[Case]) -> Iterator[tuple[str, str]]:
         """Name and key of each case that is not refused."""
@@ -88,20 +80,14 @@ class KeptRows:
         if len(reasons) == len(cases):
             raise ParameterError(f"none of {len(cases)} runs can be driven; {reasons[0]}")
 
-    @property
-    def files(self) -> list[str]:
-        """The names of what is worth to be kept, with signals; none if nothing of it holds any more."""
-        return [DRIVEN, *map(_signals_of_key, self._results)] if self._results else []
-
-    def signals_of(self, case: Case) -> str | None:
-        """Where the signals of a case are kept, below the folder of its study; None if it is refused."""
-        key = self._keys.get(case.name)
-        return None if key is None else _signals_of_key(key)
+    def key_of(self, case: Case) -> str | None:
+        """The digest of a case; None if it is refused."""
+        return self._keys.get(case.name)
 
     def of(self, case: Case) -> CaseResult | None:
         """The result of a case if it was driven before."""
-        found = self._results.get(self._keys.get(case.name, ""))
-        return None if found is None else result_of(found, case.name)
+        kept = self._results.get(_name(self._keys[case.name])) if case.name in self._keys else None
+        return None if kept is None else result_of(kept, case.name)
 
     def keep(self, case: Case, result: CaseResult) -> None:
         """Write a result, at once; one that was refused is not worth it. RunFailed if its files are others by now."""
@@ -110,30 +96,11 @@ class KeptRows:
         key = row_key(self._study, case)
         if key != self._keys.get(case.name):
             raise RunFailed(f"{case.name}: what it depends on has changed while the study was driven: start it again")
-        line = {"sources": self._sources, "case": key, "result": as_json(result)}
-        line |= {_DIGEST: short_digest(json.dumps(line))}
-        if self._path.exists() and self._path.stat().st_nlink > 1:  # under its other name it is a copy of the user's
-            with atomic_file(self._path, replaces=True) as copy:
-                copy.write(self._path.read_bytes())
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(f"{self._gap}{json.dumps(line)}\n")
-        self._gap = ""
+        self._results[_name(key)] = as_json(result)
 
-    def _lines(self, text: str) -> Iterable[dict[str, Any]]:
-        for each in text.splitlines():
-            try:
-                line = json.loads(each)
-                is_whole = line.pop(_DIGEST) == short_digest(json.dumps(line))
-            except (
-                ValueError,
-                TypeError,
-                LookupError,
-                AttributeError,
-                RecursionError,
-            ):  # half a line, of a killed study
-                continue
-            if is_whole and line["sources"] == self._sources:
-                yield json.loads(each, object_hook=decoded)
+
+def _name(key: str) -> str:
+    return f"{key}.row"
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,18 +117,15 @@ class MeasureAndSave:
         return self.measure(recording, run)
 
 
-def _signals_of_key(key: str) -> str:
-    return f"signals/{key}.npz"
+def as_json(result: CaseResult) -> bytes:
+    """A result as JSON, to the bit."""
+    fields = {field.name: _encoded(getattr(result, field.name)) for field in dataclasses.fields(result)}
+    return json.dumps(fields).encode()
 
 
-def as_json(result: CaseResult) -> dict[str, Any]:
-    """A result as JSON takes it, to the bit."""
-    return {field.name: _encoded(getattr(result, field.name)) for field in dataclasses.fields(result)}
-
-
-def result_of(fields: Mapping[str, Any], name: str) -> CaseResult:
-    """The result that `as_json` was given, `decoded`, of a case that is called so now."""
-    return CaseResult(**{**fields, "name": name})
+def result_of(content: bytes, name: str) -> CaseResult:
+    """The result that `as_json` was given, of a case that has this name now."""
+    return CaseResult(**{**json.loads(content, object_hook=_decoded), "name": name})
 
 
 def _encoded(value: Any) -> Any:
@@ -178,8 +142,8 @@ def _encoded(value: Any) -> Any:
     return value
 
 
-def decoded(fields: dict[str, Any]) -> Any:
-    """For `json.loads`: an object of JSON, or what JSON does not know and `as_json` has made one of."""
+def _decoded(fields: dict[str, Any]) -> Any:
+    """An object of JSON, or what JSON does not know and `as_json` has made one of."""
     if fields.keys() == {_ARRAY, "type"}:
         return np.array(fields[_ARRAY], fields["type"])
     return tuple(fields[_TUPLE]) if fields.keys() == {_TUPLE} else fields

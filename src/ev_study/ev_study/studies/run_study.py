@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import math
+import shutil
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -12,6 +13,7 @@ from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
 from typing import Any
+from zipfile import is_zipfile
 
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
 from ev_stack.command_line.numbers import whole
@@ -37,10 +39,13 @@ from ev_stack.report.tables import TABLES, print_metrics, text_table, write_tabl
 from ev_stack.running.output_folder import OutputFolder
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.scenario import Overrides, refuse_unused_values
-from ev_study.studies.kept_rows import DRIVEN, KeptRows, MeasureAndSave
+from ev_study.studies.digests import digest_of_sources
+from ev_study.studies.kept_rows import KeptRows, MeasureAndSave
+from ev_study.studies.result_store import RECORDING, ResultStore
 from ev_study.studies.study import Case, CaseResult, Results, Study, run_of, study_named
 from ev_study.studies.workers import drive_cases, estimated_time
 
+SIGNALS = "signals"  # folder with those of each run, where they are kept
 _EVERY_NODE, _FILE = "*", "file"
 _NAMED = 5  # cases of one kind, in a line
 
@@ -53,7 +58,7 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     where.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
     where.add_argument("--workers", type=whole(1), metavar="N", help="worker processes here; default: one per core")
     parser.add_argument("--out", type=output_folder, metavar="DIR", help=f"output folder; default results/{name}")
-    parser.add_argument("--anew", action="store_true", help="drive again what was driven before with this --out")
+    parser.add_argument("--anew", action="store_true", help="drive again what was driven before")
     parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
     add_overrides(parser)
     add_outputs(parser)
@@ -150,13 +155,19 @@ def run_study(words: Sequence[str]) -> None:
     cases, prints = study_cases(study, given), printing(given)
     out = given.out or Path("results") / name
     announce(f"{name}: {len(cases)} runs")
-    rows = KeptRows(out, name, cases, given.anew)
-    signals = {case.name: path for case in cases if given.signals and (path := rows.signals_of(case))}
-    names = [*OF_ALL_RUNS, *TABLES, DRIVEN, *signals.values()]
-    with OutputFolder(out, f"study {name}", names, keeps=rows.files, reads=files_read(given)) as folder:
+    store = ResultStore(digest_of_sources())
+    rows = KeptRows(store, name, cases)
+    keys = {case.name: rows.key_of(case) for case in cases if given.signals}
+    signals = {case: f"{SIGNALS}/{key}{RECORDING}" for case, key in keys.items() if key is not None}
+    names = [*OF_ALL_RUNS, *TABLES, *signals.values()]
+    with OutputFolder(out, f"study {name}", names, reads=files_read(given)) as folder:
         start = time.monotonic()
-        paths = {case: folder.directory / path for case, path in signals.items()}
-        driven, before = _drive(name, given, cases, paths, rows)
+        kept = {case: store.path(Path(path).name) for case, path in signals.items()}
+        driven, before = _drive(name, given, cases, kept, rows)
+        for case, path in signals.items():
+            (folder.directory / SIGNALS).mkdir(exist_ok=True)
+            if kept[case].exists():  # none of a case that is refused
+                shutil.copyfile(kept[case], folder.directory / path)
         wall_time = time.monotonic() - start
         results = {result.name: result for result in driven}
         if all(result.refused for result in driven):
@@ -208,8 +219,11 @@ def _drive(
     `paths` are those of the signals by case, none if they are not kept. RunFailed if one is not there in the end.
     """
     measure = study_named(name).measure
-    found = {case.name: result for case in cases if (result := rows.of(case)) is not None}
-    found = {key: result for key, result in found.items() if key not in paths or paths[key].exists()}
+    before = () if given.anew else cases
+    found = {case.name: result for case in before if (result := rows.of(case)) is not None}
+    found = {key: result for key, result in found.items() if key not in paths or is_zipfile(paths[key])}
+    for each in paths.keys() - found.keys():
+        paths[each].unlink(missing_ok=True)  # where a crash has cut it off
     missing = {case.name: case for case in cases if case.name not in found}
     if missing and given.scheduler is None:
         seconds = timedelta(seconds=math.ceil(estimated_time(list(missing.values()), given.workers)))

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import fcntl
-import json
-import os
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any, NoReturn
 from zipfile import is_zipfile
 
-from ev_core.compiling.machine_code import age
-from ev_core.compiling.user_cache import cache_folder, read_checked, write_checked
+from ev_core.compiling.user_cache import read_checked, write_checked
 from ev_core.lockstep.configuration import Configuration
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
@@ -25,10 +21,10 @@ from ev_stack.command_line.options import add_changes, overrides
 from ev_stack.measures.metric import Parameters, Runs
 from ev_stack.recording.outcome import RunFailed
 from ev_stack.recording.recording import Recording, load, save
-from ev_stack.running.folder_content import locked
 from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 from ev_study.studies.digests import NEVER_DRIVES, digest_of_sources
-from ev_study.studies.kept_rows import as_json, case_key, decoded, result_of, row_key
+from ev_study.studies.kept_rows import as_json, case_key, result_of, row_key
+from ev_study.studies.result_store import RECORDING, ResultStore
 from ev_study.studies.run_study import arguments, study_cases
 from ev_study.studies.study import Case, CaseResult, Measure, Results, study_named, study_names
 
@@ -134,44 +130,25 @@ Driven = ScenarioRuns | StudyCases
 
 
 _ONLY_JUDGES = (*NEVER_DRIVES, "ev_study/verdicts", "ev_stack/figures")
-_DIGEST = "[0-9a-f]" * 24
-_FOLDERS = 3  # those of other checkouts and branches come back
 
 
-class Kept:
-    """A folder with what was driven: recordings of scenarios, and what studies have measured.
+def kept_by_user(folder: Path | None = None) -> ResultStore:
+    """What was driven for verdicts before, by all sources, configuration files and packages as they are."""
+    return ResultStore(digest_of_sources(_ONLY_JUDGES, config=True, others=True), folder)
 
-    Files stand under a digest of all sources, configuration files and versions of packages they depend on, and are
-    named by the content of their run. What was kept of other sources is removed, but for that which was asked for
-    last, and that which another command uses: it is locked as long as that and its workers live.
+
+def _path(kept: ResultStore, study: str, case: Case) -> Path:
+    """Where what a study has measured on a case is kept; the signals of a case without a study.
+
+    Where the case may name a file, its name is not enough: then the run is made, and the texts of all files count
+    that it reads. Else these stand in the config folders, whose texts count for all.
     """
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder / f"driven_{digest_of_sources(_ONLY_JUDGES, config=True, others=True)}"
-        self._in_use = ExitStack()
-        folder.mkdir(parents=True, exist_ok=True)
-        with locked(folder, fcntl.LOCK_EX):  # so that nobody removes what is made here before it is locked
-            self._folder.mkdir(exist_ok=True)
-            os.utime(self._folder)
-            self._in_use.enter_context(locked(self._folder, fcntl.LOCK_SH))
-            for other in sorted(folder.glob(f"*_{_DIGEST}"), key=age)[_FOLDERS:]:
-                with suppress(OSError), locked(other, fcntl.LOCK_EX | fcntl.LOCK_NB):
-                    for file in (*other.glob("*.npz"), *other.glob("*.json")):
-                        file.unlink()
-                    other.rmdir()  # what we have not written stays
-
-    def of(self, study: str, case: Case) -> Path:
-        """Where what a study has measured on a case is or has to be written; the signals of a case without a study.
-
-        Where the case may name a file, its name is not enough: then the run is made, and the texts of all files count
-        that it reads. Else these stand in the config folders, whose texts count for all.
-        """
-        key = case_key(case)
-        given = case.scenario, case.vehicle, case.files, tuple(value for _, _, value in case.values)
-        if any(set("./").intersection(text) for text in _texts(given)):
-            with suppress(ValueError):  # the case is refused, as it will be when it is driven
-                key = row_key(study, case)
-        return self._folder / (f"{study}_{key}.json" if study else f"{key}.npz")
+    key = case_key(case)
+    given = case.scenario, case.vehicle, case.files, tuple(value for _, _, value in case.values)
+    if any(set("./").intersection(text) for text in _texts(given)):
+        with suppress(ValueError):  # the case is refused, as it will be when it is driven
+            key = row_key(study, case)
+    return kept.path(f"{study}_{key}.row" if study else f"{key}{RECORDING}")
 
 
 def _texts(of: Any) -> Iterator[str]:
@@ -180,11 +157,6 @@ def _texts(of: Any) -> Iterator[str]:
         yield str(of)
     for each in of if isinstance(of, tuple | list) else ():
         yield from _texts(each)
-
-
-def kept_by_user() -> Kept:
-    """What stands in the cache folder of the user, for all checkouts."""
-    return Kept(cache_folder() / "verdicts")
 
 
 def _keep_signals(path: Path, recording: Recording, run: Run) -> Mapping[str, Any]:
@@ -202,13 +174,13 @@ def keep_measured(path: Path, measure: Measure, recording: Recording, run: Run) 
 
 
 def _keep(result: CaseResult, path: Path) -> None:
-    write_checked(path, json.dumps(as_json(result)).encode())
+    write_checked(path, as_json(result))
 
 
 def _measured_at(path: Path, name: str) -> CaseResult | None:
     """What a study has measured on a case, which is called by this name; None if it has not yet."""
     kept = read_checked(path)
-    return None if kept is None else result_of(json.loads(kept, object_hook=decoded), name)
+    return None if kept is None else result_of(kept, name)
 
 
 _recording_at = lru_cache(maxsize=6)(load)  # the signals of a whole cycle have 80 MB
@@ -216,7 +188,7 @@ _recording_at = lru_cache(maxsize=6)(load)  # the signals of a whole cycle have 
 Drive = Callable[[Sequence[Case], Sequence[Measure]], Sequence[CaseResult]]
 
 
-def drive(needs: Iterable[Need], kept: Kept, drive_cases: Drive) -> dict[Need, Driven]:
+def drive(needs: Iterable[Need], kept: ResultStore, drive_cases: Drive) -> dict[Need, Driven]:
     """What was driven for each need; what `kept` already has is not driven again.
 
     `drive_cases` drives cases, each with its own function that measures, and returns the results in their order.
@@ -227,7 +199,7 @@ def drive(needs: Iterable[Need], kept: Kept, drive_cases: Drive) -> dict[Need, D
     jobs: dict[Path, tuple[Case, Measure]] = {}
     for need, (cases, _) in wanted.items():
         study = need.study if isinstance(need, StudyNeed) else ""
-        paths[need] = [kept.of(study, case) for case in cases]
+        paths[need] = [_path(kept, study, case) for case in cases]
         for case, path in zip(cases, paths[need], strict=True):
             if study and _measured_at(path, case.name) is None:
                 jobs[path] = case, partial(keep_measured, path, study_named(study).measure)
@@ -236,7 +208,7 @@ def drive(needs: Iterable[Need], kept: Kept, drive_cases: Drive) -> dict[Need, D
                 jobs[path] = case, partial(_keep_signals, path)
     results = drive_cases(*zip(*jobs.values(), strict=True)) if jobs else []
     for path, result in zip(jobs, results, strict=True):
-        if result.refused and path.suffix == ".npz":
+        if result.refused and path.suffix == RECORDING:
             raise RunFailed(f"{result.name}: {result.refused}")
         if result.refused:
             _keep(result, path)

@@ -1,0 +1,122 @@
+"""Results of runs that took long, kept for the user: what was stopped goes on, and nothing is driven twice.
+
+How it works: a result stands under a digest of all that it depends on beside our sources, in a folder that is named
+after the digest of these. So a result of which anything has changed is simply not found. Each file begins with a
+checksum; what a crash or a full disk has left of it counts as missing. Folders of other sources stay for a month, since
+another checkout or branch may come back to them, but recordings, which are large, only those of the last few.
+
+A dict serves in its place where nothing shall outlive the command.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import io
+import os
+import time
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from ev_core.compiling.user_cache import cache_folder, read_checked, write_checked
+from ev_stack.running.folder_content import locked
+
+VARIABLE = "EV_STACK_RESULTS"  # the folder, such as one that all machines of a cluster see
+RECORDING = ".npz"
+_DAYS = 30.0
+_FOLDERS = 3  # whose recordings stay
+_DIGEST = "[0-9a-f]" * 24
+
+
+class Results(Protocol):
+    """Contents by name."""
+
+    def get(self, name: str, /) -> bytes | None:
+        """The content of a name; None if there is none."""
+
+    def __setitem__(self, name: str, content: bytes, /) -> None:
+        """Keep a content."""
+
+    def __contains__(self, name: object, /) -> bool:
+        """Whether there is something of a name."""
+
+
+class ResultStore:
+    """Results of our sources as they are; `folder` is that of EV_STACK_RESULTS, else one in the user's cache folder.
+
+    Its folder is locked as long as this object lives, so that no other command removes it.
+    """
+
+    def __init__(self, sources: str, folder: Path | None = None) -> None:
+        parent = folder or Path(os.environ.get(VARIABLE) or cache_folder() / "results").absolute()
+        self.folder = parent / sources
+        self._in_use = ExitStack()
+        parent.mkdir(parents=True, exist_ok=True)
+        with locked(parent, fcntl.LOCK_EX):  # so that nobody removes what is made here before it is locked
+            self.folder.mkdir(exist_ok=True)
+            os.utime(self.folder)
+            self._in_use.enter_context(locked(self.folder, fcntl.LOCK_SH))
+            _forget_old(parent)
+
+    def path(self, name: str) -> Path:
+        """Where something of a name stands, for a recording, which its writer writes by itself."""
+        return self.folder / name
+
+    def get(self, name: str) -> bytes | None:
+        """The content of a name; None if there is none, or if it is not what was written."""
+        return read_checked(self.folder / name)
+
+    def __setitem__(self, name: str, content: bytes) -> None:
+        write_checked(self.folder / name, content)
+
+    def __contains__(self, name: object) -> bool:
+        return (self.folder / str(name)).exists()
+
+
+def _forget_old(parent: Path) -> None:
+    """Remove what was not asked for in a month, and recordings but for those of the last sources."""
+    folders = sorted(parent.glob(_DIGEST), key=_last_used, reverse=True)
+    for number, folder in enumerate(folders):
+        is_old = time.time() - _last_used(folder) > _DAYS * 86400.0
+        if number < _FOLDERS and not is_old:
+            continue
+        with suppress(OSError), locked(folder, fcntl.LOCK_EX | fcntl.LOCK_NB):
+            for file in folder.glob("*" if is_old else f"*{RECORDING}"):
+                file.unlink()
+            if is_old:
+                folder.rmdir()
+
+
+def _last_used(folder: Path) -> float:
+    try:
+        return folder.stat().st_mtime
+    except OSError:  # another command has just removed it
+        return 0.0
+
+
+class Answers:
+    """Answers of a function at arrays of points, computed once; `key` is a digest of all else that they depend on."""
+
+    def __init__(self, results: Results, key: str) -> None:
+        self._results = results
+        self._key = key
+        self._own = set[str]()
+        self.taken = 0  # that an earlier command has computed
+
+    def answer(self, points: np.ndarray, compute: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """The kept answer, else the computed one, which is kept."""
+        asked = f"{self._key} {points.dtype.str} {points.shape} ".encode() + points.tobytes()
+        name = f"{hashlib.sha256(asked).hexdigest()}.answer"
+        kept = self._results.get(name)
+        if kept is not None:
+            self.taken += name not in self._own
+            return np.load(io.BytesIO(kept), allow_pickle=False)
+        found = compute(points)
+        np.save(content := io.BytesIO(), found, allow_pickle=False)
+        self._results[name] = content.getvalue()
+        self._own.add(name)
+        return found
