@@ -67,8 +67,6 @@ def test_what_is_broken_is_driven_again(tmp_path: Path):
     kept.keep(drive_cell(SMALL, cells[0], LAWS))
     path = store.path(kept.names[0])
     path.write_bytes(path.read_bytes()[:-100])
-    with pytest.raises(RunFailed, match="is broken: the same command drives it again"):
-        kept[0]
     assert kept.missing() == {cells[0]: [LAWS[0]]}
 
 

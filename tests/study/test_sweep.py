@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,6 @@ from ev_msgs_py.refusal import ParameterError
 from ev_stack.commands.run_scenario import main
 from ev_stack.recording.recording import load, signal_hash
 from ev_stack.report.tables import write_tables
-from ev_stack.running.folder_content import read_manifest, write_manifest
 from ev_study.studies import sweep
 from ev_study.studies.run_study import arguments
 from ev_study.studies.study import drive_case
@@ -70,18 +70,21 @@ def test_what_a_sweep_leaves_behind(folder):
 
 
 @pytest.mark.slow
-def test_a_sweep_that_was_killed_goes_on_where_it_was(folder, capsys):
-    table, driven = (folder / "table.csv").read_bytes(), folder / "driven.jsonl"
-    lines = driven.read_text().splitlines(keepends=True)
-    driven.write_text("".join(lines[:5]) + lines[5][:100])  # killed while it wrote the sixth line
-    written = read_manifest(folder)
-    written["study sweep"] |= {"driven.jsonl": None}
-    write_manifest(folder, written)
-    sweep_into(folder)
-    assert "12 runs, 1.2 s in" in (said := capsys.readouterr().out)
+def test_a_sweep_that_was_killed_goes_on_where_it_was(tmp_path, capsys):
+    """Killed when five rows were kept, and a sixth was half written."""
+    results = Path(os.environ["EV_STACK_RESULTS"])
+    first, second = tmp_path / "first", tmp_path / "second"
+    sweep_into(first)
+    rows = sorted(results.glob("*/*.row"))
+    for row in rows[6:]:
+        row.unlink()
+    rows[5].write_bytes(rows[5].read_bytes()[:100])
+    capsys.readouterr()
+    sweep_into(second)
+    said = capsys.readouterr().out
+    assert "12 runs, 1.2 s in" in said
     assert "5 of them driven before" in said
-    assert (folder / "table.csv").read_bytes() == table
-    assert len(driven.read_text().splitlines()) == 13  # with half a line
+    assert (second / "table.csv").read_bytes() == (first / "table.csv").read_bytes()
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ from ev_stack.commands.run_scenario import main
 from ev_stack.recording.outcome import RunFailed
 from ev_study.studies.result_store import ResultStore
 from ev_study.studies.study import CaseResult, drive_case
-from ev_study.verdicts.need import ScenarioNeed, StudyNeed, cases_of, drive, kept_by_user
+from ev_study.verdicts.need import ScenarioNeed, StudyNeed, cases_of, drive, kept_by_user, path_of
 
 HOLDING = ScenarioNeed("shchur2019_steps", runs=("hold_manual",), duration=0.1)
 SHORT_STUDY = StudyNeed("five_methods", ("--seeds", "1", "--drivers", "pulse"))
@@ -32,7 +32,7 @@ def mine(request: WheelTorqueRequest) -> WheelTorqueCommand:
 """
 
 
-def kept(folder: Path) -> ResultStore:
+def store_at(folder: Path) -> ResultStore:
     """What an earlier command has kept there."""
     return ResultStore("0" * 24, folder)
 
@@ -47,8 +47,8 @@ def counting(driven: list[str]):
 
 def test_a_run_is_driven_once(tmp_path: Path):
     driven: list[str] = []
-    first = drive([HOLDING, HOLDING], kept(tmp_path), counting(driven))[HOLDING]
-    again = drive([HOLDING], kept(tmp_path), counting(driven))[HOLDING]
+    first = drive([HOLDING, HOLDING], store_at(tmp_path), counting(driven))[HOLDING]
+    again = drive([HOLDING], store_at(tmp_path), counting(driven))[HOLDING]
     assert driven == ["hold_manual"]
     assert list(again.runs) == ["hold_manual"]
     assert np.array_equal(first.runs["hold_manual"].time, again.runs["hold_manual"].time)
@@ -63,7 +63,7 @@ def test_another_text_outside_of_config_is_another_run(tmp_path: Path):
     texts = (text, f"{text}\n/**/steering_column: {{ros__parameters: {{damping: 8.0}}}}\n")
     for each in (*texts, texts[0]):
         file.write_text(each)
-        runs = drive([need], Kept(tmp_path / "kept"), counting(driven))[need]
+        runs = drive([need], store_at(tmp_path / "kept"), counting(driven))[need]
         assert runs.parameters["steering_column"]["damping"] == (8.0 if each == texts[1] else 7.5)
     assert driven == ["hold_manual", "hold_manual"]
 
@@ -76,21 +76,21 @@ def test_a_case_is_kept_by_the_texts_of_the_files_that_it_names(way: str, tmp_pa
         "value": (LAW, "mine.py"),
         "file": ("/**/steering_column: {ros__parameters: {damping: 8.0}}", "mine.yaml"),
     }[way]
-    file, kept = tmp_path / name, Kept(tmp_path / "kept")
+    file, store = tmp_path / name, store_at(tmp_path / "kept")
     changed = {"vehicle": str(file)} if way == "vehicle" else {"files": (file,)}
     if way == "value":
         changed = {"values": (*CHEAP.values, ("asr", "method", f"{file}:mine"))}
     case, paths = replace(CHEAP, **changed), []
     for text in (texts, texts + "\n# another text\n", texts):
         file.write_text(text)
-        paths.append(kept.of("", case))
+        paths.append(path_of(store, "", case))
     assert paths[0] == paths[2] != paths[1]
 
 
 def test_another_parameter_is_another_run(tmp_path: Path):
     driven: list[str] = []
     changed = ScenarioNeed("shchur2019_steps", (("steering_column", "damping", 8.0),), ("hold_manual",), 0.1)
-    drive([HOLDING, changed], kept(tmp_path), counting(driven))
+    drive([HOLDING, changed], store_at(tmp_path), counting(driven))
     assert driven == ["hold_manual", "hold_manual"]
     assert changed.command == "shchur2019_steps --set steering_column.damping=8.0 --duration 0.1"
 
@@ -102,8 +102,8 @@ def measuring(cases, measures):
 
 
 def test_what_a_study_has_measured_is_kept(tmp_path: Path):
-    drive([SHORT_STUDY], kept(tmp_path), measuring)
-    again = drive([SHORT_STUDY], kept(tmp_path), lambda *jobs: pytest.fail("nothing is left to drive"))[SHORT_STUDY]
+    drive([SHORT_STUDY], store_at(tmp_path), measuring)
+    again = drive([SHORT_STUDY], store_at(tmp_path), lambda *jobs: pytest.fail("nothing is left to drive"))[SHORT_STUDY]
     assert list(again.results) == [case.name for case in cases_of(SHORT_STUDY)]
     assert all(result.measured == {"x": 1.0} for result in again.results.values())
 
@@ -114,26 +114,28 @@ def test_what_was_measured_before_a_stop_is_not_driven_again(tmp_path: Path):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        drive([SHORT_STUDY], kept(tmp_path), stopped)
+        drive([SHORT_STUDY], store_at(tmp_path), stopped)
     left: list[str] = []
     drive(
         [SHORT_STUDY],
-        kept(tmp_path),
+        store_at(tmp_path),
         lambda cases, measures: left.extend(c.name for c in cases) or measuring(cases, measures),
     )
     assert left == [case.name for case in cases_of(SHORT_STUDY)][2:]
 
 
 def test_a_refused_case_of_a_study_stays_refused(tmp_path: Path):
-    drive([SHORT_STUDY], kept(tmp_path), lambda cases, measures: [CaseResult(c.name, {}, refused="no") for c in cases])
-    again = drive([SHORT_STUDY], kept(tmp_path), drive_here)[SHORT_STUDY]
+    drive(
+        [SHORT_STUDY], store_at(tmp_path), lambda cases, measures: [CaseResult(c.name, {}, refused="no") for c in cases]
+    )
+    again = drive([SHORT_STUDY], store_at(tmp_path), drive_here)[SHORT_STUDY]
     assert {result.refused for result in again.results.values()} == {"no"}
 
 
 def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Path):
     """The second of two commands takes the file of the first; half a file, of a crash, counts as missing."""
     driven: list[str] = []
-    store = kept(tmp_path)
+    store = store_at(tmp_path)
 
     def both(cases, measures):
         drive_here(cases, measures)
@@ -164,7 +166,7 @@ def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pyt
 def test_a_run_that_cannot_be_driven_is_one_line(tmp_path: Path):
     refusing = lambda cases, measures: [CaseResult(case.name, {}, refused="no") for case in cases]  # noqa: E731
     with pytest.raises(RunFailed, match=r"^shchur2019_steps --duration 0\.1 hold_manual: no$"):
-        drive([HOLDING], kept(tmp_path), refusing)
+        drive([HOLDING], store_at(tmp_path), refusing)
 
 
 def test_command_writes_one_object_for_each_id(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
@@ -199,4 +201,6 @@ def test_unknown_source_is_one_line(command: str):
 
 def test_a_misspelt_parameter_is_refused(tmp_path: Path):
     with pytest.raises(ParameterError, match="dampling"):
-        drive([ScenarioNeed("shchur2019_steps", (("steering_column", "dampling", 8.0),))], kept(tmp_path), drive_here)
+        drive(
+            [ScenarioNeed("shchur2019_steps", (("steering_column", "dampling", 8.0),))], store_at(tmp_path), drive_here
+        )

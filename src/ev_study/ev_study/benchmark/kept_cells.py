@@ -90,7 +90,7 @@ class KeptCells(Sequence[DrivenCell]):
         """By cell the laws that have not driven it."""
         found: dict[Cell, list[str]] = {}
         for (cell, law), name in self._names.items():
-            if name in self._anew or name not in self._results:
+            if name in self._anew or self._results.get(name) is None:
                 found.setdefault(cell, []).append(law)
         return found
 

@@ -137,7 +137,7 @@ def kept_by_user(folder: Path | None = None) -> ResultStore:
     return ResultStore(digest_of_sources(_ONLY_JUDGES, config=True, others=True), folder)
 
 
-def _path(kept: ResultStore, study: str, case: Case) -> Path:
+def path_of(kept: ResultStore, study: str, case: Case) -> Path:
     """Where what a study has measured on a case is kept; the signals of a case without a study.
 
     Where the case may name a file, its name is not enough: then the run is made, and the texts of all files count
@@ -199,7 +199,7 @@ def drive(needs: Iterable[Need], kept: ResultStore, drive_cases: Drive) -> dict[
     jobs: dict[Path, tuple[Case, Measure]] = {}
     for need, (cases, _) in wanted.items():
         study = need.study if isinstance(need, StudyNeed) else ""
-        paths[need] = [_path(kept, study, case) for case in cases]
+        paths[need] = [path_of(kept, study, case) for case in cases]
         for case, path in zip(cases, paths[need], strict=True):
             if study and _measured_at(path, case.name) is None:
                 jobs[path] = case, partial(keep_measured, path, study_named(study).measure)
