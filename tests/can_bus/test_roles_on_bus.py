@@ -19,11 +19,11 @@ from ev_bench.bus.channel import BusMeter, Channel
 from ev_bench.bus.parameters import BusParameters
 from ev_bench.inverter_gateway.station import GatewayOnBus
 from ev_bench.machines.bench_on_bus import BenchOnBus, meters_of
+from ev_bench.runs import can as can_of_runs
 from ev_msgs_py.can.payload import joined
 from ev_msgs_py.contract.optional_signals import LoadCommand
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_stack.running import domain
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 TICKS = 5  # of 1 ms in a control period
@@ -203,10 +203,10 @@ def test_a_meter_counts_all_bits_and_times_what_is_awaited():
 @pytest.mark.slow
 def test_without_multicast_a_run_has_a_hub_of_its_own(monkeypatch, tmp_path: Path):
     """Socketcand's protocol over TCP on 127.0.0.1; the hub ends with the run."""
-    monkeypatch.setattr(domain, "_works", lambda channel: False)
+    monkeypatch.setattr(can_of_runs, "_works", lambda channel: False)
     ends = {"inverter_gateway": SimpleNamespace(parameters=SimpleNamespace(bus=BusParameters())), "test_bench": None}
     run: Any = SimpleNamespace(name="hub", realtime=True, configurations=ends)
-    with domain.real_bus(run, 1, tmp_path) as told:
+    with can_of_runs.real_bus(run, 1, tmp_path) as told:
         values = told["test_bench"]
         assert values["bus.interface"] == "socketcand" and "@127.0.0.1:" in values["bus.channel_11"]
         one, other = (Channel("socketcand", values["bus.channel_11"]) for _ in range(2))

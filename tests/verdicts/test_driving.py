@@ -125,9 +125,8 @@ def test_what_was_measured_before_a_stop_is_not_driven_again(tmp_path: Path):
 
 
 def test_a_refused_case_of_a_study_stays_refused(tmp_path: Path):
-    drive(
-        [SHORT_STUDY], store_at(tmp_path), lambda cases, measures: [CaseResult(c.name, {}, refused="no") for c in cases]
-    )
+    refusing = lambda cases, measures: [CaseResult(case.name, {}, refused="no") for case in cases]  # noqa: E731
+    drive([SHORT_STUDY], store_at(tmp_path), refusing)
     again = drive([SHORT_STUDY], store_at(tmp_path), drive_here)[SHORT_STUDY]
     assert {result.refused for result in again.results.values()} == {"no"}
 
@@ -200,7 +199,6 @@ def test_unknown_source_is_one_line(command: str):
 
 
 def test_a_misspelt_parameter_is_refused(tmp_path: Path):
+    misspelt = ScenarioNeed("shchur2019_steps", (("steering_column", "dampling", 8.0),))
     with pytest.raises(ParameterError, match="dampling"):
-        drive(
-            [ScenarioNeed("shchur2019_steps", (("steering_column", "dampling", 8.0),))], store_at(tmp_path), drive_here
-        )
+        drive([misspelt], store_at(tmp_path), drive_here)
