@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from numba import njit
 
 from ev_core.compiled.part import CompiledPart
-from ev_core.compiling import machine_code
+from ev_core.compiling import code_store
 from ev_core.law import (
     NO_WHEELS,
     Wheels,
@@ -208,7 +208,7 @@ def calls_numba_later(p, request: WheelTorqueRequest) -> WheelTorqueCommand:
 
 def test_a_function_of_numba_can_be_called_in_plain_python_after_its_law_was_compiled(tmp_path, monkeypatch):
     """Also where Python has not called it before: it is machine code of its own, not only within its caller."""
-    monkeypatch.setattr(machine_code, "cache_folder", lambda: tmp_path)  # so that it is compiled here
+    monkeypatch.setattr(code_store, "cache_folder", lambda: tmp_path)  # so that it is compiled here
     method = Method("asr", "later", Law(calls_numba_later, Parameters), (WheelTorqueRequest,), Parameters)
     CompiledPart(method, Parameters(1.0), Vehicle(), 0.01)
     assert doubled(3.0) == 6.0

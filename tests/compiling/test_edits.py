@@ -16,8 +16,8 @@ from numba import cfunc, float64
 
 from ev_core.compiled.part import is_kept
 from ev_core.compiled.part_source import part_source
+from ev_core.compiling.code_store import reach_of
 from ev_core.compiling.fingerprint import Reach
-from ev_core.compiling.machine_code import reach_of
 from ev_core.methods.law import Given
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import Wheels

@@ -157,7 +157,7 @@ def test_damaged_files_are_named_and_made_anew(tmp_path):
     for again in (False, True):
         done = subprocess.run([sys.executable, "-c", DRIVE], capture_output=True, text=True, env=environment)
         assert (done.returncode, done.stdout.strip()) == (0, expected), done.stderr
-        named = re.findall(r"^(\S+) does not fit its checksum: it is removed and made anew$", done.stderr, re.MULTILINE)
+        named = re.findall(r"^(\S+) does not fit its checksum: it is removed and made again$", done.stderr, re.M)
         assert bool(named) is not again
         parts = {Path(name).name.rpartition("_")[0] for name in named}
         assert parts == (set() if again else {"powered_steering_column", "run_instants"})

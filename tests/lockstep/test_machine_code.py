@@ -11,7 +11,7 @@ from itertools import chain
 import pytest
 
 from ev_core.compiled.part import CompiledPart
-from ev_core.compiling import machine_code
+from ev_core.compiling import code_store
 from ev_core.lockstep import parts
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.parts import is_compiled, part_of
@@ -59,13 +59,13 @@ def test_code_is_loaded_without_the_compiler_and_gives_the_bits_of_plain_python(
 
 def test_only_the_newest_texts_of_a_name_are_kept(tmp_path, monkeypatch):
     """With all that was compiled of a text; other names, one of which begins alike, are left alone."""
-    monkeypatch.setattr(machine_code, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(code_store, "cache_folder", lambda: tmp_path)
     for n in range(10):
         for name in ("off", "off_asr"):
             for file in (f"{name}_{n:012x}.1234.code", f"{name}_{n:012x}.1234.5678.numba"):
                 (tmp_path / file).touch()
                 os.utime(tmp_path / file, (n, n))
-    machine_code.forget_older(f"off_{9:012x}")
+    code_store.forget_older(f"off_{9:012x}")
     kept = sorted(file.name for file in tmp_path.glob("off_*") if not file.name.startswith("off_asr"))
     assert {name.split(".")[0] for name in kept} == {f"off_{n:012x}" for n in range(2, 10)}
     assert len(kept) == 8 * 2

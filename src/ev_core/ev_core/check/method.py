@@ -59,14 +59,17 @@ def check_configuration(
     mirrored: bool = True,
     whole: bool = False,
 ) -> Reached:
-    """The same for a method that is configured already, such as that of a scenario."""
+    """Hold a method that is configured already, such as that of a scenario, against the contract."""
     found = list(_findings(configuration, seeds, steps, inputs, mirrored and configuration.method.mirrored))
-    of = Reached({}, {}) if found else reached(Subject(configuration, _is_heavy(configuration), steps, inputs), seeds)
-    if whole and of.never_called:
-        found.append(f"in {steps} steps for each of {len(seeds)} seeds never called: {', '.join(of.never_called)}")
+    lines = Reached({}, {})
+    if not found:
+        lines = reached(Subject(configuration, _is_heavy(configuration), steps, inputs), seeds)
+    if whole and lines.never_called:
+        never = ", ".join(lines.never_called)
+        found.append(f"in {steps} steps for each of {len(seeds)} seeds never called: {never}")
     if found:
         raise ContractError(f"{configuration.role} method {configuration.method.name}", found)
-    return of
+    return lines
 
 
 def _is_heavy(configuration: Configuration) -> bool:
@@ -99,7 +102,7 @@ def _findings(
 
 
 def _of(subject: Subject, seeds: Sequence[int], mirrored: bool) -> Iterator[str]:
-    """What is wrong with one form of a method; what cannot be stepped at all is not looked at any further."""
+    """Findings about one form of a method, one alone if it cannot be stepped at all."""
     checks = [
         state.impurity,
         state.lost_state,

@@ -22,7 +22,7 @@ _SIDES = {"left": "right", "right": "left"}
 
 
 def asymmetry(subject: Subject, seed: int) -> str:
-    """What differs between the mirror image of a run and the run of the mirror image; empty if nothing."""
+    """First difference between the mirror image of a run and the run of the mirror image; empty if none."""
     other = replace(subject, configuration=mirrored_configuration(subject.configuration))
     frames = subject.frames(seed)
     image, of_image = mirrored(outputs(subject.part(), frames)), outputs(other.part(), mirrored(frames))
@@ -45,7 +45,7 @@ def mirrored_numbers(kind: type, numbers: Sequence[float]) -> list[float]:
 
 @cache
 def _in_the_mirror() -> tuple[np.ndarray, np.ndarray]:
-    """Of the mirror image of a frame: the places from which its numbers come, and their signs."""
+    """Places from which the numbers of a frame's mirror image come, and their signs."""
     order, sign = np.arange(frame.SIZE), np.ones(frame.SIZE)
     for kind, place in frame.PLACES.items():
         order[place] = [place.start + i for i in _order(kind)]

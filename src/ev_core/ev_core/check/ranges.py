@@ -10,7 +10,7 @@ from ev_core.parameters.declaration import entries
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError
 
-_STEPS = 20  # with each end: what an index needs is there at once
+_STEPS = 20  # with each end: a wrong index shows in the first of them
 
 
 def out_of_range(configuration: Configuration, seed: int, inputs: MakesInputs) -> str:

@@ -1,7 +1,7 @@
-"""What a law reaches: how often its lines were reached in plain Python, and whether all functions are exact.
+"""Lines that the checks reach in a law's text, and functions that C libraries round differently.
 
-What no input reaches no check has looked at: a law that does its work only while the pedal is free would pass all of
-them with the brakes pressed. A function of math or numpy is exact if every C library rounds it in the same way
+A line that no input reaches is unchecked: a law that works only while the pedal is free would pass all checks with the
+brakes pressed. A function of math or numpy is exact if every C library rounds it in the same way
 (docs/elementary_functions.md).
 """
 
@@ -23,15 +23,24 @@ from ev_core.check.stepping import Subject, outputs
 from ev_core.compiling.fingerprint import Reach
 from ev_core.methods.register import Method
 
-_BESIDES = ("reports", "goes_on", "state")  # what a run may do without
+_BESIDES = ("reports", "goes_on", "state")  # hooks that a run may never call
 _Line = tuple[CodeType, int]
+# Functions of math and numpy that C libraries round differently.
+_OF_BOTH = "sin cos tan sinh cosh tanh exp exp2 expm1 log log2 log10 log1p hypot pow cbrt"
+_INVERSE = "sin cos tan tan2 sinh cosh tanh"
+_ROUNDED = {
+    *_OF_BOTH.split(),
+    *(f"a{name}" for name in _INVERSE.split()),
+    *(f"arc{name}" for name in _INVERSE.split()),
+    *("power", "float_power", "logaddexp", "dist", "erf", "erfc", "gamma", "lgamma"),
+}
 
 
 @dataclass(frozen=True)
 class Reached:
-    """By function of a law's own module how often it was called, and by line how often that was reached.
+    """Number of calls of each function of a law's own module, and of times that each line was reached.
 
-    Nothing where plain Python was not stepped, or a debugger is at work.
+    Both are empty where plain Python was not stepped, or a debugger is at work.
     """
 
     calls: dict[str, int]
@@ -58,7 +67,7 @@ class Reached:
 
 
 def reached(subject: Subject, seeds: Sequence[int]) -> Reached:
-    """What steps of a method with all these seeds reach of it."""
+    """Step a method with all these seeds, and count the lines of it that they reach."""
     codes = {function.__code__: _named(function) for function in _functions(subject.configuration.method)}
     calls, lines = dict.fromkeys(codes.values(), 0), Counter[_Line]()
     if subject.compiled or sys.gettrace() is not None:
@@ -66,9 +75,12 @@ def reached(subject: Subject, seeds: Sequence[int]) -> Reached:
     with _counting(codes, calls, lines):
         for seed in seeds:
             outputs(subject.part(), subject.frames(seed))
-    of_code = ((code, line) for code in codes for _, _, line in code.co_lines())
-    known = {(code, line) for code, line in of_code if line is not None and line > code.co_firstlineno}
-    return Reached(calls, {(Path(code.co_filename).name, line): lines[code, line] for code, line in known})
+    counts: dict[tuple[str, int], int] = {}
+    for code in codes:
+        for _, _, line in code.co_lines():
+            if line is not None and line > code.co_firstlineno:
+                counts[Path(code.co_filename).name, line] = lines[code, line]
+    return Reached(calls, counts)
 
 
 @contextmanager
@@ -94,7 +106,7 @@ def _counting(
 
 
 def _functions(method: Method) -> list[FunctionType]:
-    """Those of the module of a law or class that its steps may call."""
+    """Functions of the module of a law or class that its steps may call."""
     law, factory = method.law, method.factory
     if law is not None:
         roots = [law.function, *([law.outputs] if law.outputs else [])]
@@ -110,21 +122,14 @@ def _named(function: FunctionType) -> str:
     return f"{function.__qualname__} ({Path(function.__code__.co_filename).name}:{function.__code__.co_firstlineno})"
 
 
-_OF_BOTH = "sin cos tan sinh cosh tanh exp exp2 expm1 log log2 log10 log1p hypot pow cbrt"
-_INVERSE = "sin cos tan tan2 sinh cosh tanh"
-_ROUNDED = {
-    *_OF_BOTH.split(),
-    *(f"a{name}" for name in _INVERSE.split()),
-    *(f"arc{name}" for name in _INVERSE.split()),
-    *("power", "float_power", "logaddexp", "dist", "erf", "erfc", "gamma", "lgamma"),
-}
-
-
 def inexact(method: Method) -> str:
-    """The first function of this kind that a method reaches, and where; empty if there is none."""
+    """The first function that C libraries round differently in what a method reaches, and where; empty if none."""
     law = method.law
-    kinds = getattr(method.factory, "__mro__", ())
-    roots = [each for kind in kinds for each in vars(kind).values()] if law is None else [law.function, law.outputs]
+    roots: list[Any] = []
+    if law is not None:
+        roots = [law.function, law.outputs]
+    for kind in getattr(method.factory, "__mro__", ()) if law is None else ():
+        roots += vars(kind).values()
     for function in Reach(*(each for each in roots if isinstance(each, FunctionType))).functions.values():
         for line, name in _used(function):
             file = function.__code__.co_filename
@@ -133,7 +138,7 @@ def inexact(method: Method) -> str:
 
 
 def _used(function: FunctionType) -> Iterator[tuple[int, str]]:
-    """Line and name of what a function takes from math or numpy and that is in the list."""
+    """Line and name of each function in `_ROUNDED` that a function takes from math or numpy."""
     line, module = 0, None
     for each in dis.get_instructions(function):
         line = each.positions.lineno or line if each.positions else line

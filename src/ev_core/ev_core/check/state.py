@@ -1,8 +1,9 @@
-"""Pure, finite, with a complete declared state, and the same bits compiled and interpreted.
+"""Checks of state and numbers: a method is pure, finite, with a complete declared state and the same bits compiled.
 
 The same inputs give the same outputs, also stopped, saved and loaded. A step gives numbers, or is refused; NaN neither
-leaves a method nor stays in it, and what has no direction has no sign. A law stepped twice with the same signals,
-compiled and in plain Python, gives every number with the same bits.
+leaves a method nor stays in it, and a quantity without direction is never negative. A law stepped twice with the same
+signals, compiled and in plain Python, gives every number with the same bits. Each check returns its finding in words,
+empty if there is none.
 """
 
 import copy
@@ -25,10 +26,10 @@ from ev_msgs_py.contract.fields import SignalError, shape_of
 
 
 def impurity(subject: Subject, seed: int) -> str:
-    """What two objects do differently with the same inputs; empty if nothing.
+    """Difference between two objects with the same inputs.
 
-    One runs alone. The other takes turns with a third one, which is made later and reads something else: what objects
-    share, in the class, the module or a random generator of the process, shows there.
+    One runs alone. The other takes turns with a third one, which is made later and reads other inputs: a number that
+    objects share, in the class, the module or a random generator of the process, shows there.
     """
     frames, others = subject.frames(seed), subject.frames(seed + 1)
     alone = outputs(subject.part(), frames)
@@ -46,14 +47,14 @@ def impurity(subject: Subject, seed: int) -> str:
 
 
 def lost_state(subject: Subject, seed: int) -> str:
-    """What a run does differently after it was stopped, saved and loaded; empty if nothing."""
+    """Difference of a run after it was stopped, saved and loaded."""
     frames = subject.frames(seed)
     stop = random.Random(seed).randrange(1, len(frames))
     steady, stopped = subject.part(), subject.part()
     outputs(steady, frames[:stop])
     outputs(stopped, frames[:stop])
     saved, fresh = copy.deepcopy(stopped.state), subject.part()
-    outputs(stopped, frames[stop:])  # whatever it does now is nothing to what was saved
+    outputs(stopped, frames[stop:])  # its further steps must not change the saved state
     fresh.state = saved
     found = difference(subject, outputs(steady, frames[stop:]), outputs(fresh, frames[stop:]))
     if not found:
@@ -62,7 +63,7 @@ def lost_state(subject: Subject, seed: int) -> str:
 
 
 def lost_by_live_change(subject: Subject, seed: int) -> str:
-    """What a run does differently after its parameters were set to the values that they have; empty if nothing."""
+    """Difference of a run after its parameters were set to the values that they have."""
     before = subject.configuration
     own = {e.name: e.default for e in entries(before.parameters) if not e.spec.read_only}
     changed = before.changed(own)
@@ -80,7 +81,7 @@ def lost_by_live_change(subject: Subject, seed: int) -> str:
 
 
 def unnamed_state(subject: Subject) -> str:
-    """Which numbers of a law's state have no name of their own; empty if all have one."""
+    """Numbers of a law's state that share a name, or a state that is no row of numbers."""
     law, state = subject.configuration.method.law, subject.part().state
     if law is not None:
         twice = sorted(name for name, count in Counter(law.names()).items() if count > 1)
@@ -93,7 +94,7 @@ def unnamed_state(subject: Subject) -> str:
 
 
 def not_finite(subject: Subject, seed: int) -> str:
-    """What goes wrong with plausible inputs; empty if every step gives finite numbers."""
+    """The first step with plausible inputs that gives no finite numbers."""
     try:
         part = subject.part()
     except LawError as error:
@@ -101,7 +102,7 @@ def not_finite(subject: Subject, seed: int) -> str:
     for step, here in enumerate(subject.frames(seed)):
         try:
             raw = stepped(part, here)
-        except Exception as error:  # whatever a stranger's law raises is a finding
+        except Exception as error:  # of any kind: it is a finding
             return f"plausible inputs, step {step}: {_one_line(error)}"
         if negative := _negative(subject, raw):
             return f"plausible inputs, step {step}: {negative}"
@@ -113,7 +114,7 @@ def not_finite(subject: Subject, seed: int) -> str:
 
 
 def resized_by_live_change(subject: Subject) -> str:
-    """Which parameter that may change in a run changes the length of the state; empty if none does."""
+    """A parameter that may change in a run, and changes the length of the state."""
     configuration = subject.configuration
     size = np.size(subject.part().state)
     for entry in entries(configuration.parameters):
@@ -139,9 +140,9 @@ def _other_values(entry: Entry) -> tuple[Any, ...]:
 
 
 def not_refused(subject: Subject, seed: int) -> str:
-    """What goes wrong with absurd inputs, up to the largest floats; empty if each step is finite or refused.
+    """The first step with absurd inputs, up to the largest floats, that is neither finite nor refused.
 
-    What is refused ends a run, so the next step is that of a new object, which has not seen them.
+    A refusal ends a run, so the next step is that of a new object, which has not seen them.
     """
     extreme = Subject(subject.configuration, subject.compiled, subject.steps, ExtremeInputs)
     part = subject.part()
@@ -179,7 +180,7 @@ def _one_line(error: Exception) -> str:
 
 
 def differing_bits(configuration: Configuration, steps: int, seed: int, inputs: MakesInputs = RandomInputs) -> str:
-    """What differs first between the compiled and the interpreted form of a configured law; empty if nothing does."""
+    """First difference between the compiled and the interpreted form of a configured law."""
     method, common = configuration.method, configuration.common
     settings = (configuration.parameters, common.vehicle, common.control_period)
     try:

@@ -1,6 +1,7 @@
 """A configured method as the checks step it: frame by frame, and all its output as frames.
 
-Its inputs are random but plausible signals, and a launch as a law sees it.
+Its inputs are random but plausible signals, and launches: numbers at random alone never bring into play what a law
+limits, estimates and counts over many steps.
 """
 
 import math
@@ -27,6 +28,16 @@ _RARE = 0.003  # probability in a step that the pedal is let go, or that a measu
 _TURNING = 0.02  # probability in a step that a wheel begins to grip or to spin
 _BRAKE = 200.0  # N m
 _RATE = 0.01  # share of the drive torque by which the pedal goes down in a step
+# Largest magnitude by unit; a field that is never negative takes the magnitude.
+_LARGEST = {"N m": 800.0, "rad": 0.6, "rad/s": 60.0, "m/s": 18.0, "m/s^2": 6.0, "N": 6000.0, "m": 50.0, "V": 400.0}
+_BRAKES = ("brake", "brake_torque")
+_REPEATED = 0.2  # probability that a number stays what it was
+_ZERO = 0.2  # probability that a number is zero
+_FREE = 0.5  # probability that the brake pedal is free for a while
+_LONGEST = 40  # steps with numbers at random, behind which a launch may begin
+_EXTREME = (0.0, 5e-324, 1e-300, 1e-30, 1e6, 1e20, 3e38, 1e150, 1e300, 1.7976931348623157e308)
+_LARGEST_SINGLE = 3e38  # that single precision holds
+_ABSURD = 0.3  # probability that a number is absurd
 
 
 class Launch:
@@ -48,7 +59,7 @@ class Launch:
         self._angle, self._yaw_rate = r.choice((0.0, r.uniform(-0.4, 0.4))), r.choice((0.0, r.uniform(-0.6, 0.6)))
 
     def next(self) -> Mapping[type, Any]:
-        """By type the signals of the next step, as far as a launch is what makes them."""
+        """Signals of the next step by type, those that a launch determines."""
         r = self._random
         self._speed += self._pull * self._period
         if r.random() < _TURNING:
@@ -75,15 +86,6 @@ class Launch:
             signals.BodyVelocity(self._ahead * self._speed, 0.0, self._yaw_rate),
         )
         return {type(signal): signal for signal in sent}
-
-
-# Largest magnitude by unit; a field that is never negative takes the magnitude.
-_LARGEST = {"N m": 800.0, "rad": 0.6, "rad/s": 60.0, "m/s": 18.0, "m/s^2": 6.0, "N": 6000.0, "m": 50.0, "V": 400.0}
-_BRAKES = ("brake", "brake_torque")
-_REPEATED = 0.2  # probability that a number stays what it was
-_ZERO = 0.2  # probability that a number is zero
-_FREE = 0.5  # probability that the brake pedal is free for a while
-_LONGEST = 40  # steps with numbers at random, behind which a launch may begin
 
 
 class RandomInputs:
@@ -141,13 +143,8 @@ class RandomInputs:
         return abs(value) if field.never_negative else value
 
 
-_EXTREME = (0.0, 5e-324, 1e-300, 1e-30, 1e6, 1e20, 3e38, 1e150, 1e300, 1.7976931348623157e308)
-_LARGEST_SINGLE = 3e38  # that single precision holds
-_ABSURD = 0.3  # probability that a number is absurd
-
-
 class ExtremeInputs(RandomInputs):
-    """The same without launches, with numbers that no car has: tiny ones, and up to the largest of a message."""
+    """Random signals without launches, with numbers that no car has: tiny ones, and up to the largest of a message."""
 
     launches = False
 
@@ -174,7 +171,7 @@ MakesInputs = Callable[[Sequence[type], int, float], Inputs]
 
 @dataclass(frozen=True)
 class Subject:
-    """What is checked: a configured method, in plain Python or compiled, and what it is given."""
+    """The subject of a check: a configured method, in plain Python or compiled, and its inputs."""
 
     configuration: Configuration
     compiled: bool
@@ -183,7 +180,7 @@ class Subject:
 
     @property
     def form(self) -> str:
-        """How it runs, in words."""
+        """The way in which it runs, in words."""
         return "compiled" if self.compiled else "in plain Python"
 
     def part(self) -> Part:
@@ -192,7 +189,7 @@ class Subject:
         return part
 
     def frames(self, seed: int) -> np.ndarray:
-        """What the method reads, step by step: (steps, frame.SIZE)."""
+        """Frames of the inputs, step by step: (steps, frame.SIZE)."""
         method, period = self.configuration.method, self.configuration.common.control_period
         return _frames(self.inputs, method.reads, seed, period, self.steps)
 
@@ -223,15 +220,17 @@ def outputs(part: Part, frames: np.ndarray) -> np.ndarray:
 
 
 def difference(subject: Subject, one: np.ndarray, other: np.ndarray) -> str:
-    """Where two runs differ first in their bits, with both values; empty if nowhere. Behind a frame stands a state."""
+    """The first place where two runs differ in their bits, with both values; empty if there is none.
+
+    The numbers of a state follow those of a frame.
+    """
     found = np.argwhere(one.view(np.int64) != other.view(np.int64))
     if not len(found):
         return ""
     step, place = found[0]
-    written = {
-        number: f"{kind.__name__}.{channel}"
-        for kind in subject.configuration.method.writes
-        for channel, number in zip(shape_of(kind).channels, frame.places(kind), strict=True)
-    }
+    written: dict[int, str] = {}
+    for kind in subject.configuration.method.writes:
+        for channel, number in zip(shape_of(kind).channels, frame.places(kind), strict=True):
+            written[number] = f"{kind.__name__}.{channel}"
     otherwise = f"number {place - frame.SIZE} of the state" if place >= frame.SIZE else "what it does not write"
     return f"step {step}: {written.get(place, otherwise)} is {one[step, place]!s} and {other[step, place]!s}"

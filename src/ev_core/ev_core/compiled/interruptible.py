@@ -17,7 +17,7 @@ from typing import Any
 _GRACE = 0.5  # s for a call to return after a signal: one of a law that ends takes far less
 _LOOK = 0.1  # s between two looks at requests to stop
 
-# Each of those that are under way: whether somebody asked to stop, which raises nothing by itself.
+# For each request that is under way: a function that returns whether a stop was asked for. It raises nothing by itself.
 REQUESTS: list[Callable[[], bool]] = []
 
 
@@ -35,7 +35,7 @@ class _Caller:
         start_new_thread(self._make_calls, ())
 
     def begin(self, call: Callable[[], Any], works_on: Any) -> None:
-        """Let it make a call; what that works on lasts as long as the call, also where nobody waits any more."""
+        """Let it make a call; the memory `works_on` lasts as long as the call, also when its caller has given up."""
         self._given = call, works_on
         self._asked.release()
 
@@ -46,7 +46,7 @@ class _Caller:
             (call, works_on), self._given, self.error = self._given, None, None
             try:
                 self.result = call()
-            except BaseException as error:  # for who waits
+            except BaseException as error:  # raised in the thread that waits
                 self.error = error
             del call, works_on
             self.done.release()
@@ -57,7 +57,7 @@ os.register_at_fork(after_in_child=_idle.clear)  # their threads are not there
 
 
 def interruptible(call: Callable[[], Any], works_on: Any = None) -> Any:
-    """What a call gives or raises; KeyboardInterrupt, or what a signal's handler raises, where a signal ends the wait.
+    """Return the result of a call, or raise its error; KeyboardInterrupt where a signal ends the wait.
 
     `works_on` holds the memory whose addresses compiled code is given: a call that is given up goes on with it. Other
     threads than the main one, which get no signals, make the call themselves.

@@ -4,8 +4,8 @@ In plain Python an assignment binds one list or record to two names, a slice is 
 repeat lists. Compiled all of them are numbers in a row: an assignment copies them, a slice is a part of them, + and *
 count with them one by one.
 
-How it works: the text of a law is followed, and that of the functions to which it hands parts of its state, with what
-each name stands for there. Twice, for what a loop leaves in a name is there when it begins anew.
+How it works: the text of a law is followed, and that of the functions to which it hands parts of its state, with the
+part that each name refers to. Twice, for a name may have in a loop the part that the round before has left in it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Found = tuple[ast.AST, str]  # where a text is wrong, and what
 def wrong_lists(
     functions: Iterable[Any], state: Any, tree_of: Callable[[FunctionType], ast.AST]
 ) -> dict[FunctionType, list[Found]]:
-    """By function, where the text of those that have a state as `s`, or that these hand parts of it to, is wrong."""
+    """Mistakes by function, of those that have a state as `s`, or that these hand parts of it to."""
     followed = _Followed(tree_of)
     for function in functions:
         followed.through(function, {"s": state})
@@ -39,7 +39,7 @@ class _Slice(list[Any]):
 
 
 class _Followed:
-    """The functions followed so far; `found` is what is wrong, by function and place."""
+    """The functions followed so far; `found` are their mistakes, by function and place."""
 
     def __init__(self, tree_of: Callable[[FunctionType], ast.AST]) -> None:
         self._tree_of = tree_of
@@ -48,7 +48,7 @@ class _Followed:
         self.found: dict[FunctionType, dict[ast.AST, Found]] = {}
 
     def through(self, function: FunctionType, known: dict[str, Any]) -> Any:
-        """What a function gives back that gets these parts of a state by name; None if it is no part."""
+        """The part of a state that a function returns for these parts by name; None if it returns no part."""
         key = (function, *((name, _kind(each)) for name, each in sorted(known.items())))
         if key not in self._given:
             self._given[key] = None  # a function that calls itself is refused as such
@@ -63,7 +63,7 @@ class _Followed:
 
 
 class _Text(ast.NodeVisitor):
-    """One function, statement by statement; `known` is what its names stand for, None for anything but a state."""
+    """One function, statement by statement; `known` are its names with their parts of a state, None for others."""
 
     def __init__(self, followed: _Followed, function: FunctionType, known: dict[str, Any]) -> None:
         self._followed, self._known = followed, known
@@ -162,7 +162,7 @@ class _Text(ast.NodeVisitor):
         self.generic_visit(node)
 
     def _changes(self, node: ast.AST) -> bool:
-        """Whether a part of a loop may change numbers of a list of the state."""
+        """Return whether a part of a loop may change numbers of a list of the state."""
         if isinstance(node, ast.Call):
             return any(_is_shared(self._part(each)) for each in node.args)
         return isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store)
@@ -176,18 +176,19 @@ class _Text(ast.NodeVisitor):
                 self._bind(each, of)
 
     def _shared(self, place: ast.expr, value: ast.expr) -> str:
-        """What is wrong with an assignment to a place of the state with several numbers; empty if nothing is."""
+        """Mistake in an assignment to a place of the state that holds several numbers; empty if there is none."""
         to, of = ast.unparse(place), ast.unparse(value)
         whole = self._part(_whole(place))
-        if isinstance(place, ast.Name) or not _is_shared(whole):  # a name of its own may stand for it
+        if isinstance(place, ast.Name) or not _is_shared(whole):  # a local name may refer to it
             return ""
-        if isinstance(whole, list) and not _is_record(whole[0]):
-            is_whole = _whole(place) is place
-            return f"{to} = {of} may make them one list, numbers are copied by {to}[:] = {of}" if is_whole else ""
-        return f"{to} = {of} may make them one record, copy its entries one by one"
+        if not isinstance(whole, list) or _is_record(whole[0]):
+            return f"{to} = {of} may make them one record, copy its entries one by one"
+        if _whole(place) is not place:  # a slice, which copies
+            return ""
+        return f"{to} = {of} may make them one list, numbers are copied by {to}[:] = {of}"
 
     def _part(self, node: ast.expr) -> Any:
-        """What an expression such as s.ring or s.wheels[i].ring is in a state; None if it is anything else."""
+        """Value of an expression such as s.ring or s.wheels[i].ring in a state; None if it is not of the state."""
         match node:
             case ast.Name(id=name):
                 return self._known[name] if name in self._known else self._outside_of(name)
@@ -215,7 +216,7 @@ class _Text(ast.NodeVisitor):
         return self._reached(inner[name].cell_contents if name in inner else own.get(name))
 
     def _reached(self, found: Any) -> Any:
-        """What a name from outside stands for, if it has to do with a state: a module, function or named tuple."""
+        """A module, function or named tuple from outside of the function, by which it may handle a state; else None."""
         if isinstance(found, FunctionType):
             return found if found in self._followed.marked else None
         return found if isinstance(found, ModuleType) or _is_named_tuple(found) else None
@@ -238,7 +239,7 @@ class _Text(ast.NodeVisitor):
             if isinstance(function, type):
                 return function(*given, **by_name)
             known = inspect.signature(function).bind(*given, **by_name).arguments
-        except TypeError:  # which Python says itself
+        except TypeError:  # Python reports this call itself
             return None
         return self._followed.through(function, known) if any(map(_leads_on, known.values())) else None
 
@@ -248,7 +249,7 @@ def _is_named_tuple(found: Any) -> bool:
 
 
 def _leads_on(found: Any) -> bool:
-    """Whether a function that is given this has to do with a state."""
+    """Return whether a value holds parts of a state."""
     return _is_shared(found) or (any(map(_leads_on, found)) if isinstance(found, tuple) else False)
 
 
@@ -269,7 +270,7 @@ def _is_shared(found: Any) -> bool:
 
 
 def _kind(found: Any) -> Any:
-    """What two parts of a state have in common that mean the same for a text."""
+    """Kind of a part of a state: parts of one kind mean the same in a text."""
     match found:
         case list():
             return (type(found), *map(_kind, found[:1]))
@@ -287,5 +288,5 @@ def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]
 
 
 def _whole(value: ast.expr) -> ast.expr:
-    """What a slice is one of; anything else as it is."""
+    """The list of which an expression is a slice; the expression itself if it is no slice."""
     return value.value if isinstance(value, ast.Subscript) and isinstance(value.slice, ast.Slice) else value

@@ -25,7 +25,10 @@ _EXPONENT = 0x7FF0000000000000  # of a float64: all ones in what is infinite or 
 
 @compilable
 def _is_finite(bits: np.ndarray, at: int, begin: int, end: int) -> bool:
-    """Without a way out of the loop, and on integers, so that many numbers are looked at in one instruction."""
+    """Return whether numbers of a frame are finite.
+
+    On integers and without a way out of the loop, so that one instruction looks at many numbers.
+    """
     found = 0
     for i in range(begin, end):
         found |= (bits[at, i] & _EXPONENT) == _EXPONENT

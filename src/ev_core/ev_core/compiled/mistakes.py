@@ -1,7 +1,9 @@
 """Why a law cannot be compiled, in one line: file, line, what is wrong, what to write instead.
 
-The compiler reports the same in hundreds of lines, with the cause in the middle. What it compiles into
-something else than the text says, or into what never ends, is found in the text before.
+How it works: before a law is compiled, `wrong_text` looks in its text for constructs that would mean something else
+compiled, or never end, and `wrong_answer` takes its first step in plain Python. When the compiler fails nevertheless,
+it reports the cause in the middle of hundreds of lines. `mistake` then looks whether plain Python fails as well, which
+gives the better line, and translates the compiler's text if it does not.
 """
 
 from __future__ import annotations
@@ -37,10 +39,12 @@ from ev_msgs_py.contract.wheels import Wheels
 _PLACE = re.compile(r'File "(?P<file>[^"<]+)", line (?P<line>\d+)|Raised from (?P<path>\S+) \((?P<at>\d+)\)')
 _CALLED = re.compile(r"resolving callee type: Function\(<(?:built-in function|function|ufunc|class) '?([\w.]+)")
 _CAUSE = re.compile(r"(?:Failed in nopython mode pipeline.*\n\s*|raised a specific error:\n\s*\w+: (?!Failed))(\S.*)")
-# What an author puts in to look at a law; the compiler knows print, but its code cannot be called without Python.
+# Calls by which an author looks at a law; the compiler knows print, but its code cannot be called without Python.
 _DEBUGGING = ("print", "breakpoint", "input")
 _IN_PYTHON = "needs Python, which runs it, slower and with the same numbers"
-# Texts of the compiler, and their meaning for the author of a law; \1 is what stands in the first bracket.
+_WAYS_OUT = (ast.Break, ast.Return, ast.Raise)
+_SHARED = (ast.List, ast.Dict, ast.Set)
+# Texts of the compiler, and their meaning for the author of a law; \1 is the content of the first bracket.
 _MEANINGS = (
     (
         r"Untyped global name '(\w+)':.*<class 'function'>",
@@ -71,7 +75,7 @@ def mistake(method: Method, parameters: Any, vehicle: Any, period: float, error:
 
 
 def wrong_answer(method: Method, parameters: Any, vehicle: Any, period: float) -> str:
-    """One line about a law whose first step, in plain Python, gives something else than its role writes; else empty."""
+    """One line about a law if its first step in plain Python gives another answer than its role writes; else empty."""
     law = law_of(method)
     try:
         with _unseen():
@@ -115,11 +119,8 @@ def line_about(method: Method, file: str, line: int, what: str) -> str:
     return f"{file}, line {line}: {method.role} law {law_of(method).function.__name__}: {what} (docs/compiled_laws.md)"
 
 
-_WAYS_OUT, _SHARED = (ast.Break, ast.Return, ast.Raise), (ast.List, ast.Dict, ast.Set)
-
-
 def _wrong(function: FunctionType, arguments: tuple[str, ...]) -> Iterator[tuple[Any, str]]:
-    """Where the text of a function is wrong, and why; `arguments` are those of a law, which it only reads but for s."""
+    """Mistakes in the text of a function, and why; `arguments` are those of a law, which may write only s."""
     for node in ast.walk(_tree(function)):
         match node:
             case ast.Global(names=names) | ast.Nonlocal(names=names):
@@ -154,14 +155,14 @@ def _is_text(node: ast.AST) -> bool:
 
 
 def _assigned(function: Callable[..., Any]) -> Iterator[tuple[ast.expr, str]]:
-    """What a function assigns to besides names of its own, with its text."""
+    """Attributes and elements that a function assigns to, with their text."""
     for node in ast.walk(_tree(function)):
         if isinstance(node, ast.Attribute | ast.Subscript) and isinstance(node.ctx, ast.Store):
             yield node, ast.unparse(node)
 
 
 def _tree(function: Callable[..., Any]) -> ast.AST:
-    """The text of a function; that of an empty module where it cannot be had, as that of a lambda."""
+    """Syntax tree of a function; that of an empty module where its text is not known, as of a lambda."""
     try:
         return parsed(textwrap.dedent(inspect.getsource(function)) if function.__name__ != "<lambda>" else "")
     except OSError:
@@ -170,7 +171,7 @@ def _tree(function: Callable[..., Any]) -> ast.AST:
 
 @contextmanager
 def _unseen() -> Iterator[None]:
-    """In the block a law prints nothing, and stands at no breakpoint: it is not a step of a run."""
+    """Let a law print nothing, and stop at no breakpoint: it is not a step of a run."""
     hook, sys.breakpointhook = sys.breakpointhook, lambda *_, **__: None
     try:
         with redirect_stdout(StringIO()):
@@ -180,7 +181,7 @@ def _unseen() -> Iterator[None]:
 
 
 def _in_python(method: Method, made: LawObject) -> tuple[str, int, str] | None:
-    """What plain Python finds wrong with one step; None if it finds nothing."""
+    """Mistake that one step in plain Python finds; None if it finds none."""
     try:
         with _unseen():
             return _of_answer(method, made)
@@ -189,14 +190,14 @@ def _in_python(method: Method, made: LawObject) -> tuple[str, int, str] | None:
 
 
 def _raised(error: Exception) -> tuple[str, int, str] | None:
-    """Where the author's text has raised an error, and what it is; None if no line of it has."""
+    """Line of the author's text that has raised an error, and the error in words; None if no line of it has."""
     frames = [each for each in traceback.extract_tb(error.__traceback__) if is_of_author(each.filename)]
     at = frames[-1] if frames else None
     return (at.filename, at.lineno or 0, in_words(error)) if at and at.filename != __file__ else None
 
 
 def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
-    """What is wrong with what one step gives and leaves in the state; None if nothing is."""
+    """Mistake in the answer of one step or in the state behind it; None if there is none."""
     law = law_of(method)
     signals = [
         Instant(0.0) if kind is Instant else shape_of(kind).signal_of([1.0] * shape_of(kind).size)
@@ -224,7 +225,7 @@ def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
 
 
 def _of_compiler(law: Law, error: BaseException) -> tuple[str, int, str]:
-    """What the compiler found, at the last line of no library that it names."""
+    """Finding of the compiler, at the last line that it names and that belongs to no library."""
     text = str(error)
     places = [found for found in _PLACE.finditer(text) if is_of_author(found["file"] or found["path"])]
     for pattern, meaning in _MEANINGS:

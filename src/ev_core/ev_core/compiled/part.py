@@ -15,8 +15,9 @@ import numpy as np
 
 from ev_core.compiled.interruptible import interruptible
 from ev_core.compiled.part_source import constants_row, is_checked, law_of, part_source
+from ev_core.compiling.code_store import key_of
 from ev_core.compiling.fingerprint import Reach
-from ev_core.compiling.machine_code import FUNCTION, Code, function_address, key_of
+from ev_core.compiling.machine_code import FUNCTION, Code, function_address
 from ev_core.faults import row
 from ev_core.faults.row import FaultRow
 from ev_core.methods.law import Given
@@ -31,25 +32,25 @@ from ev_msgs_py.contract.fields import SignalError, shape_of
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.refusal import ParameterError
 
+_LONGEST = 100  # characters of a name that becomes that of files in the cache
+_RULES = ("mistakes", "lists_of_state", "unassigned")  # modules that refuse laws
+
 
 def code_of(method: Method, given: Given) -> Code:
-    """What is compiled of a method."""
+    """Source text that is compiled of a method."""
     text, names = part_source(method, given)
     return Code(_name(method), f"{text}# {_rules()}\n" if is_checked(method) else text, names)
 
 
 @cache
 def _rules() -> str:
-    """Digits that change with what is refused: what older rules have let pass is looked at anew."""
+    """Digits that change with the rules for laws: a law that older rules have accepted is checked again."""
     texts = (Path(__file__).with_name(f"{name}.py").read_bytes() for name in _RULES)
     return hashlib.sha256(b"".join(texts)).hexdigest()[:16]
 
 
-_RULES = ("mistakes", "lists_of_state", "unassigned")
-
-
 def given_to(method: Method, parameters: Any, vehicle: Any, period: float) -> Given:
-    """What the functions of a method are given; LawError if its author's text fails there."""
+    """Values for the functions of a method; LawError if its author's text fails there."""
     with in_law(method):
         return Given(law_of(method), parameters, vehicle, period)
 
@@ -60,12 +61,15 @@ def code_key(method: Method, parameters: Any, vehicle: Any, period: float) -> st
 
 
 class NeedsPython(ParameterError):
-    """A law does what only plain Python can do, such as to print."""
+    """A law does something that only plain Python can do, such as to print."""
 
 
 @contextmanager
 def in_one_line(method: Method, parameters: Any, vehicle: Any, period: float) -> Iterator[Callable[[Reach], None]]:
-    """In the block a law that cannot be compiled is one line, LawError; what is given looks at its text."""
+    """Turn the errors of a law that cannot be compiled into one line, LawError.
+
+    The block calls the function that it is given with all that the law reaches, so that the text is checked first.
+    """
     reached: list[FunctionType] = []
 
     def look_at(reach: Reach) -> None:
@@ -80,7 +84,7 @@ def in_one_line(method: Method, parameters: Any, vehicle: Any, period: float) ->
         yield look_at
     except (ParameterError, OSError, MemoryError):
         raise
-    except Exception as error:  # of many kinds: whatever the compiler stumbles over
+    except Exception as error:  # the compiler raises errors of many kinds
         from ev_core.compiled.mistakes import mistake, needs_python
 
         if text := needs_python(method, reached, error):
@@ -89,15 +93,12 @@ def in_one_line(method: Method, parameters: Any, vehicle: Any, period: float) ->
 
 
 def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
-    """Whether the machine code of a method is on disk, so that nobody has to wait for the compiler."""
+    """Return whether the machine code of a method is on disk, so that it need not be compiled."""
     return code_of(method, given_to(method, parameters, vehicle, period)).is_kept()
 
 
-_LONGEST = 100  # characters of a name that becomes that of files in the cache
-
-
 def _name(method: Method) -> str:
-    return f"{Path(method.name).stem[:_LONGEST]}_{method.role}"  # of a law file, whose name is a path
+    return f"{Path(method.name).stem[:_LONGEST]}_{method.role}"  # the name of a law file is a path
 
 
 class CompiledPart:
@@ -167,7 +168,7 @@ class CompiledPart:
         return status != 0
 
     def raised(self, numbers: Sequence[float] | None, state: np.ndarray | None = None) -> ValueError:
-        """What the step raises that has just failed: plain Python takes it again, from the same state.
+        """Error of the step that has just failed: plain Python takes it again, from the same state.
 
         `numbers` are those of the frame that it read, None at the start; the state is that of the part, or the one
         that it was stepped with.
@@ -196,7 +197,7 @@ class CompiledPart:
                 shape.refuse_not_finite(numbers[place])
 
     def addresses(self) -> tuple[int, int, int]:
-        """Of the function, the state and the constants."""
+        """Addresses of the function, the state and the constants."""
         return self.function, *self._memory
 
     def notes(self) -> tuple[str, ...]:
@@ -250,7 +251,7 @@ class RowPart:
         self._function = row_function(kind)
 
     def addresses(self) -> tuple[int, int, int]:
-        """Of the function, the state and the constants."""
+        """Addresses of the function, the state and the constants."""
         return self._function, self.state.ctypes.data, self.constants.ctypes.data
 
     def notes(self) -> tuple[str, ...]:

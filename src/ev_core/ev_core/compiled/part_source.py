@@ -2,20 +2,20 @@
 
     int step(double *now, double *next, double *state, double *constants)
 
-A role that answers reads and writes `now`. One that integrates advances its state by what it reads in `now` and writes
-`next`; with `now` a null pointer it only writes what its state shows. What it writes begins as NaN, which no frame may
-hold, and stays so where the law raises an exception.
+How it works: a role that answers reads and writes `now`. One that integrates reads `now`, advances its state, and
+writes `next`; with `now` a null pointer it writes its initial outputs. All outputs begin as NaN, which no frame may
+hold, and remain NaN where the law raises an exception.
 
 A law that is not ours is compiled with all that it calls so that an index out of range raises an exception, which costs
-it time. Then the result is 1, and the state is that before the step: it works on a copy. The same holds where a number
-that it writes is not finite, or negative and must not be, for which plain Python may find the line.
+it time. Then the result is 1, and the state is that before the step: it works on a copy. The same holds where an output
+is not finite, or negative and must not be: plain Python may find the line.
 
-`constants` is what an object is given once, as one row of numbers: parameters, car, prepared constants.
+`constants` is one row of numbers for each object: parameters, car, prepared constants.
 
     total  period  p ...  car ...  records of c ...  c ...  tables ...
 
-`total` is the length of the row. A declared record in `c` is read by name from where it stands, like `p` and `car`. A
-tuple of numbers in `c` (a table) stands there as its place and its length; the numbers themselves come at the end.
+`total` is the length of the row. A declared record in `c` is read by name at its place, like `p` and `car`. For a tuple
+of numbers in `c` (a table) the row holds its place and its length; the numbers themselves come at the end.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ def table(row: Any, place: int) -> Any:
 
 @compilable
 def are_finite(numbers: Any, begin: int, end: int) -> bool:
-    """Whether all of some numbers of a frame are finite."""
+    """Return whether the numbers of a frame from `begin` to `end` are finite."""
     are = True
     for i in range(begin, end):
         are = are and math.isfinite(numbers[i])
@@ -173,7 +173,7 @@ _COPIED = 8192  # numbers of a state that the stack has room for
 
 
 def is_checked(method: Method) -> bool:
-    """Whether indices of a law are checked: it is not one of ours, by its name or by its text (`functools.wraps`).
+    """Return whether indices of a law are checked: unless both its name and its text are ours.
 
     The suite compiles ours once with the checks.
     """

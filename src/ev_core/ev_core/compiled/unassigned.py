@@ -15,7 +15,7 @@ Names = frozenset[str]
 
 
 def unassigned(tree: ast.AST, function: Callable[..., Any]) -> Iterator[tuple[ast.expr, str]]:
-    """Where the text of a function reads a name that may have no value, and what is wrong with that."""
+    """Places where a function reads a name that may have no value, with the mistake in words."""
     for defined in ast.walk(tree):
         if isinstance(defined, ast.FunctionDef):
             flow = _Flow(defined, function.__globals__)
@@ -23,7 +23,7 @@ def unassigned(tree: ast.AST, function: Callable[..., Any]) -> Iterator[tuple[as
                 (node, f"{node.id} may have no value here, give it one on every way: compiled it is 0")
                 for node in flow.found
             )
-            return  # those within it are refused as such
+            return  # inner functions are refused as such
 
 
 class _Flow:
@@ -109,7 +109,7 @@ class _Flow:
         return behind
 
     def _runs(self, iterated: ast.expr) -> bool:
-        """Whether a loop runs once at least: but for ranges and slices all has its length by declaration."""
+        """Return whether a loop runs once at least: all but ranges and slices have their length by declaration."""
         match iterated:
             case ast.Call(func=ast.Name(id="range"), args=[ast.Call(func=ast.Name(id="len"), args=[of])]):
                 return self._runs(of)
@@ -167,7 +167,7 @@ def _named(pattern: ast.pattern) -> Names:
 
 
 def _of_comprehension(node: ast.AST) -> Iterator[ast.Name]:
-    """Where a comprehension names what is its own; nothing for anything else."""
+    """Names that belong to a comprehension alone; none for any other node."""
     if isinstance(node, ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp):
         own = {each.id for of in node.generators for each in ast.walk(of.target) if isinstance(each, ast.Name)}
         first = {id(each) for each in ast.walk(node.generators[0].iter)}  # which is read outside of it
@@ -177,7 +177,7 @@ def _of_comprehension(node: ast.AST) -> Iterator[ast.Name]:
 
 
 def _iterables(tree: ast.AST) -> dict[str, ast.expr | None]:
-    """By name, what a name of the function stands for, None if it is more than one thing, or a part of something."""
+    """Values of a function's names, None for a name with several, or with a part of one."""
     found: dict[str, ast.expr | None] = {}
     single = {id(each.targets[0]): each.value for each in ast.walk(tree) if isinstance(each, ast.Assign)}
     for each in ast.walk(tree):

@@ -1,7 +1,11 @@
-"""A digest of everything that the compiled form of some functions depends on, and whether all of it still is as it was.
+"""A digest of all that the compiled form of some functions depends on, and a look whether it still holds.
 
-numba keeps a compiled function until its own file changes; that a function it calls, or a number that it takes from
-another module, has changed goes unnoticed, and the old results would come back.
+numba keeps a compiled function until its own file changes. It would not notice that a function which this one calls, or
+a number which it takes from another module, has changed, and the old results would come back.
+
+How it works: from some functions and values, `Reach` follows the names in their code through modules, defaults and
+closures to other functions and values, and adds all of them to a digest in the order in which they are found. It keeps
+the objects that it has found at each name, so that `holds` only compares identities.
 """
 
 from __future__ import annotations
@@ -33,7 +37,7 @@ def fingerprint(*roots: Any) -> str:
 class Reach:
     """All that some functions and values reach: by the names in their code, through modules, defaults and closures.
 
-    `digits` are its digest, `functions` those that were found, `made` what numba has made of some of them.
+    `digits` are its digest, `functions` those that were found, `made` the objects that numba has made of some of them.
     """
 
     def __init__(self, *roots: Any) -> None:
@@ -50,7 +54,7 @@ class Reach:
 
     @property
     def holds(self) -> bool:
-        """Whether nothing of it has changed since."""
+        """True as long as nothing of it has changed."""
         return (
             all(space.get(name, _NOTHING) is value for space, name, value in self._looked_up)
             and all(_are_same(_parts(function), parts) for function, parts in self._made_of)
@@ -58,7 +62,7 @@ class Reach:
         )
 
     def _followed(self, found: Any) -> Iterator[Any]:
-        """Tell the digest what was found, and give what it leads to."""
+        """Add an object to the digest, and yield the objects to which it leads."""
         function = _written(found)
         if isinstance(function, FunctionType) and function is not found:
             self.made.append(found)
@@ -86,7 +90,7 @@ class Reach:
         self._digest.update(f"{' '.join(map(str, what))}\0".encode())
 
     def _used_by(self, function: FunctionType) -> Iterator[Any]:
-        """What a function takes from outside of it, each behind its name."""
+        """Objects that a function takes from outside, each behind its name."""
         names = list(_names(function.__code__))
         places: list[Mapping[str, Any]] = [function.__globals__]
         for place in places:  # and the modules found on the way
@@ -103,19 +107,19 @@ class Reach:
 
 
 def _written(found: Any) -> Any:
-    """The function that somebody has written of what numba made of it (njit, cfunc, vectorize); else what was found."""
+    """The written function of an object that numba made of it (njit, cfunc, vectorize); else the object itself."""
     if isinstance(found, FunctionType):
         return found
     return getattr(found, "py_func", getattr(found, "__wrapped__", found))
 
 
 def _are_same(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
-    """Whether two rows hold the same objects."""
+    """Return whether two rows hold the same objects."""
     return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
 
 
 def _parts(function: FunctionType) -> tuple[Any, ...]:
-    """The objects that a function is made of and that may be put into it without its name being bound anew."""
+    """Objects that a function consists of, which may be replaced while its name keeps the same function."""
     by_name = function.__kwdefaults__ or {}
     return (function.__code__, function.__defaults__, *by_name, *by_name.values(), *_contents(function))
 
@@ -129,7 +133,7 @@ def _contents(function: FunctionType) -> Iterator[Any]:
 
 
 def _is_looked_into(found: Any) -> bool:
-    """Whether it is a module of somebody, who may call it as one of Python's is called."""
+    """Return whether an object is a module of the user's, also one that is named like a module of Python's."""
     if not isinstance(found, ModuleType):
         return False
     package = found.__name__.partition(".")[0]
@@ -138,7 +142,7 @@ def _is_looked_into(found: Any) -> bool:
 
 
 def _code(code: CodeType) -> bytes:
-    """What a function does, in bytes that do not depend on where its text stands."""
+    """A function's instructions, in bytes that do not depend on its place in a file."""
     constants = [_code(each) if isinstance(each, CodeType) else repr(each).encode() for each in code.co_consts]
     called = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
     names = repr((code.co_names, code.co_varnames, code.co_freevars, called)).encode()

@@ -1,4 +1,4 @@
-"""What touches the inside of numba: each touch stands beside the plain public way, and can be switched off.
+"""Touches of numba's inside: each has a plain public way as well, and can be switched off.
 
 A touch makes compiled code faster to make, to load or to run; without it the same text gives the same bits.
 EV_STACK_PLAIN_NUMBA names touches that shall not be used, separated by commas, or is `all`. A touch is not used either
@@ -52,7 +52,7 @@ def switched_off() -> frozenset[str]:
 
 @cache
 def is_used(touch: str) -> bool:
-    """Whether a touch is used: it is not switched off, and the installed numba has what it needs."""
+    """Return whether a touch is used: it is not switched off, and the installed numba has the names that it needs."""
     if touch in switched_off():
         return False
     try:
@@ -71,9 +71,9 @@ def is_used(touch: str) -> bool:
 
 @contextmanager
 def only_machine_code_of(name: str, made: Sequence[Any]) -> Iterator[None]:
-    """What is compiled within becomes machine code if its function has this name, else nobody can call it in Python.
+    """Make machine code in this block only of the function with this name; Python cannot call the others.
 
-    What numba has `made` of functions of others, which Python may call, is made anew before and behind it.
+    Objects that numba has `made` of functions of others, which Python may call, are made again before and behind it.
     """
     make_anew(made)
     if not is_used("callees"):
@@ -106,11 +106,11 @@ def only_machine_code_of(name: str, made: Sequence[Any]) -> Iterator[None]:
 
 
 def _libraries() -> tuple[type, type]:
-    """What numba puts the code of a callee into, and that of one that is inlined."""
+    """Classes of numba's libraries for the code of a callee, and for that of an inlined function."""
     from numba.core.codegen import JITCodeLibrary
 
     class Callee(JITCodeLibrary):
-        """Optimised roughly, for what it is linked into is optimised wholly, and complete as that takes it."""
+        """A library that is optimised roughly, for that of its caller is optimised wholly; it can be linked."""
 
         def _optimize_final_module(self) -> None:
             manager, builder = self._codegen._module_pass_manager(slp_vectorize=False, cost="cheap")
@@ -122,7 +122,7 @@ def _libraries() -> tuple[type, type]:
             self._finalized = True
 
     class Inlined(Callee):
-        """Left as it is: the library that includes it optimises it there."""
+        """A library that is not optimised: the library that includes it does that."""
 
         def _optimize_final_module(self) -> None:
             pass
@@ -135,7 +135,7 @@ def _libraries() -> tuple[type, type]:
 
 @cache
 def make_memory_known() -> None:
-    """Tell numba of `working_memory`."""
+    """Let numba know `working_memory`."""
     from numba.extending import lower_builtin, register_jitable, type_callable
 
     if not is_used("stack"):
@@ -180,7 +180,7 @@ def make_choices_known() -> None:
 
 
 def forget_made_of(functions: Sequence[Callable[..., Any]]) -> None:
-    """Let numba make these functions anew; ParameterError if it is not to be asked for that."""
+    """Let numba make these functions again; ParameterError if this touch is switched off."""
     if not is_used("edits"):
         raise ParameterError(f"a compiled function has changed, which needs a new process without edits in {VARIABLE}")
     from numba.core.registry import cpu_target
@@ -196,10 +196,10 @@ _replaced: list[Any] = []  # machine code of C functions, whose addresses others
 
 
 def make_anew(made: Iterable[Any]) -> None:
-    """Let numba make anew what it has made of functions of others (njit, cfunc, vectorize, methods of a jitclass).
+    """Let numba compile functions of others again (njit, cfunc, vectorize, methods of a jitclass), callees first.
 
-    Callees come first. The numbers that these take from their modules were those of another time, and nobody has asked
-    for checks of indices. Such code of numba's own files on disk is not taken either.
+    The numbers that these take from their modules were those of another time, and their indices were not checked. Code
+    in numba's own files on disk is not taken either, for the same reasons.
     """
     config: Any = import_module("numba").config
     before, config.BOUNDSCHECK = config.BOUNDSCHECK, 1

@@ -41,7 +41,7 @@ def make_checks_reach_callees() -> None:
 
 
 def error_model() -> str:
-    """What a division by zero does in a function whose caller does not check: nothing, in the plain way an error."""
+    """Error model of a function with a caller that does not check: quiet, in the plain way one that raises."""
     return QUIET if is_used("checks") else RAISING
 
 
@@ -70,7 +70,7 @@ def _check_results() -> None:
 
 
 def _checked(lower: Callable[..., Any]) -> Callable[..., Any]:
-    """What makes the code of a function, with a test behind it: of numbers that have no result it raises an error."""
+    """Lowering of a function with a test behind it: it raises an error for numbers that have no result."""
     from llvmlite.ir import Constant, DoubleType
     from numba import types
     from numba.cpython.mathimpl import is_finite, is_inf, is_nan

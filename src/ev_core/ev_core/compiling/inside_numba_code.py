@@ -1,4 +1,4 @@
-"""What touches the inside of numba to keep code on disk and to load it: touches as in `inside_numba`."""
+"""Touches of numba's inside that keep code on disk and load it, as those in `inside_numba`."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def loaded(symbol: str, code: bytes) -> int:
 
 
 def _name_helpers(binding: Any) -> None:
-    """Tell what code may call besides the C library, as numba itself does when it has compiled something."""
+    """Name the functions that code may call besides the C library, as numba does when it has compiled a function."""
     package: Any = importlib.util.find_spec("numba")
     numba = Path(package.submodule_search_locations[0])
     helpers = {f"PyExc_{name}": id(value) for name, value in vars(builtins).items() if isinstance(value, type)}
@@ -130,6 +130,6 @@ _ONLY_OF_ERRORS = re.compile(r"^define [^\n]*@cfunc\.|\bcall [^\n]*(?:_get_wrapp
 
 
 def takes_interpreter(step: Any) -> bool:
-    """Whether a C function does, or what it calls, by the compiler's text, on its way to an answer."""
+    """Return whether a C function or a callee takes the interpreter on its way to an answer, by its compiled text."""
     functions = step.inspect_llvm().split("\n}")
     return any(len(_TAKEN.findall(each)) > len(_ONLY_OF_ERRORS.findall(each)) for each in functions)

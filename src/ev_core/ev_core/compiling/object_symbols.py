@@ -1,4 +1,4 @@
-"""What an object file calls and how large its code is: ELF with 64 and 32 bits, and COFF (Windows)."""
+"""Symbols that an object file calls, and the size of its code: ELF with 64 and 32 bits, and COFF (Windows)."""
 
 from __future__ import annotations
 

@@ -10,14 +10,8 @@ import re
 from typing import Any, NamedTuple
 
 from ev_core.compiling import inside_numba
-from ev_core.compiling.machine_code import (
-    Code,
-    executed,
-    kept_file,
-    key_of,
-    made_by_others,
-    register_functions,
-)
+from ev_core.compiling.code_store import kept_file, key_of
+from ev_core.compiling.machine_code import Code, executed, made_by_others, register_functions
 from ev_core.compiling.object_symbols import calls
 from ev_core.compiling.user_cache import alone, read_checked, write_checked
 from ev_msgs_py.refusal import ParameterError
@@ -93,7 +87,7 @@ define i32 @{symbol}(ptr %now, ptr %next, ptr %state, ptr %constants) {{
 """
 _HEAD = re.compile(r"^(source_filename|target datalayout|target triple) = .*$", re.M)
 _SHARED = re.compile(r"= common (local_unnamed_addr )?global")
-# Who holds an array: nobody, for those that a part works on are given to it.
+# Counts of holders of an array, which need none: a part works on arrays that its caller holds.
 _COUNTED = re.compile(r"^define linkonce_odr void @(NRT_(?:inc|dec)ref)\(.*?^}$", re.M | re.S)
 _UNCOUNTED = r"define internal void @\1(ptr %0) {\n  ret void\n}"
 _EXPONENTS = re.compile(r"@numba_(frexp|ldexp)\b")
@@ -119,7 +113,7 @@ def object_file(code: Code, symbol: str, processor: Processor) -> bytes:
         function.add_function_attribute("nounwind")
         if function.name != symbol and not function.is_declaration:
             function.linkage = "internal"
-    passes = binding.create_new_module_pass_manager()  # the text is optimised already: what nobody calls goes
+    passes = binding.create_new_module_pass_manager()  # only for functions without callers: all is optimised already
     passes.add_global_dead_code_eliminate_pass()
     passes.run(module, binding.create_pass_builder(machine, binding.create_pipeline_tuning_options()))
     if "p:32:32" in str(machine.target_data) and _OF_POINTERS.search(str(module)):

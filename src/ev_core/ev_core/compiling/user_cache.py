@@ -1,7 +1,7 @@
-"""The folder of this user for what is made once and taken again, and files in it that carry a checksum.
+"""The cache folder of this user, and files in it that carry a checksum.
 
-Machine code that lies there is executed. So nobody else may write there, and what a full disk, a crash or a hand has
-changed is made anew, never loaded.
+Machine code in it is executed. So no other user may write there, and a file that a full disk, a crash or a hand has
+changed is made again, never loaded.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def cache_folder() -> Path:
     if danger := _danger(folder):
         raise ParameterError(
             f"what is compiled is not kept in {folder}: {danger}; expected a folder of your own (user {os.getuid()}) "
-            f"that nobody else may write into, {VARIABLE} names another one"
+            f"into which no other user may write; {VARIABLE} names another one"
         )
     return folder
 
@@ -66,7 +66,7 @@ def _for_now(wanted: Path) -> Path:
 
 
 def _danger(folder: Path) -> str:
-    """Other users who could write into a folder, or replace it by another one or a link; empty if none."""
+    """Why other users could write into a folder, or replace it by another one or a link; empty if they cannot."""
     user, real = os.getuid(), folder.resolve()
     for path in dict.fromkeys((*reversed(folder.parents), folder, *reversed(real.parents), real)):
         found = path.lstat()
@@ -96,7 +96,7 @@ def write_checked(file: Path, content: bytes) -> None:
 
 
 def read_checked(file: Path) -> bytes | None:
-    """What `write_checked` wrote; None if it is not there, or does not fit its checksum: then it is removed."""
+    """Content that `write_checked` wrote; None without the file, or if its checksum is wrong: then it is removed."""
     try:
         written = read_data(file, SIGNALS, is_input=False)
     except FileNotFoundError:
@@ -105,7 +105,7 @@ def read_checked(file: Path) -> bytes | None:
     if written == _checksum(content) + content:
         return content
     file.unlink(missing_ok=True)
-    print(f"{file} does not fit its checksum: it is removed and made anew", file=sys.stderr, flush=True)
+    print(f"{file} does not fit its checksum: it is removed and made again", file=sys.stderr, flush=True)
     return None
 
 
@@ -115,7 +115,7 @@ def _checksum(content: bytes) -> bytes:
 
 @contextmanager
 def alone(key: str) -> Iterator[None]:
-    """The block is entered by one process of this user at a time; who ends within it, however it does, lets others in.
+    """Let one process of this user at a time enter the block; one that ends within it, in any way, lets others in.
 
     Where the file system has no locks, or the folder is full, several make the same thing, which is slower.
     """
@@ -130,5 +130,5 @@ def alone(key: str) -> Iterator[None]:
             fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield
     finally:
-        file.unlink(missing_ok=True)  # who waits for it looks for what was made; who comes later does so, too
+        file.unlink(missing_ok=True)  # a process that waits for it, or comes later, looks first for what was made
         os.close(descriptor)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.compiling.machine_code import can_be_kept
+from ev_core.compiling.code_store import can_be_kept
 from ev_core.faults.row import FaultRow, of_signals
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.part import CalledBack, Part, PythonPart

@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 
 from ev_core.compiled.part import ROW_CODE, code_of, given_to, in_one_line
 from ev_core.compiled.part_source import HEAD, constants_row, law_of
-from ev_core.compiling.machine_code import Code, key_of, reach_of
+from ev_core.compiling.code_store import key_of, reach_of
+from ev_core.compiling.machine_code import Code
 from ev_core.faults import row
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.parts import restarts, rows_of

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from ev_core.compiling.machine_code import key_of
+from ev_core.compiling.code_store import key_of
 from ev_core.compiling.object_symbols import calls, code_size
 from ev_core.compiling.other_processors import object_file
 from ev_doors.export.content import Channel, Content, Part, Tunable

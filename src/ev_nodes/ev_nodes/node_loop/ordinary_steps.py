@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
-from ev_core.compiling.machine_code import can_be_kept
+from ev_core.compiling.code_store import can_be_kept
 from ev_core.lockstep.run import guarded, raised
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.stamps import NANOSECONDS

@@ -17,7 +17,8 @@ from multiprocessing.connection import wait
 from typing import Any, NamedTuple
 
 from ev_core.compiled.loop import LOOPS
-from ev_core.compiling.machine_code import Code, can_be_kept, counted_by_others, kept_code
+from ev_core.compiling.code_store import can_be_kept, kept_code
+from ev_core.compiling.machine_code import Code, counted_by_others
 from ev_core.compiling.user_cache import cache_folder
 from ev_core.lockstep import tally
 from ev_core.lockstep.configuration import Configuration
