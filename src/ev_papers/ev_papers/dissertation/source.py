@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from ev_papers.dissertation import judged_car, judged_claims, judged_cycle, judged_methods
+from ev_papers.dissertation import (
+    judged_bench,
+    judged_car,
+    judged_claims,
+    judged_cycle,
+    judged_methods,
+)
 from ev_papers.dissertation.figures.panels import PANELS
 from ev_study.verdicts.measure import measures_of
 
 __all__ = ["MEASURES", "ORDER", "PANELS"]
 
 ORDER = 3  # among the sources, in tables
-MEASURES = measures_of(judged_car, judged_claims, judged_cycle, judged_methods)
+MEASURES = measures_of(judged_bench, judged_car, judged_claims, judged_cycle, judged_methods)

@@ -1,4 +1,8 @@
-"""The circuits of a car in a recording: what each driven wheel with its motor did; "п" and "л" in the source."""
+"""Circuits of a car in a recording, each a driven wheel with its motor ("п" and "л" in the source).
+
+Eqs 2.37 to 2.40 divide sums over the samples in traction by each other. `circuit_shares` has what
+each sample adds to the sums of a circuit, `CircuitSums` the sums with the equations.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +16,8 @@ from ev_core.vehicle.losses import loss_power, map_loss_power
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_stack.measures.metric import NotMeasured, channel
 from ev_stack.recording.recording import Recording
+
+_FREE = {"front": "rear", "rear": "front"}  # by driven axle the one with the wheels that roll
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,9 +68,10 @@ class CircuitSums:
         return self.efficiency * self.drive_efficiency
 
     def energy(self, cycle_time: float) -> float:
-        """Eq 2.40 with n the samples in traction: their mean electrical power times the time of the cycle [s], [J].
+        """Eq 2.40 with n the samples in traction: mean power times the time of the cycle [s], [J].
 
-        With n the samples of the whole cycle, t_c/n is the time of a sample and eq 2.40 is `electrical_work`.
+        With n the samples of the whole cycle, t_c/n is the time of a sample and eq 2.40 is
+        `electrical_work`.
         """
         return _ratio(self.electrical_work, self.time, "there was no traction") * cycle_time
 
@@ -77,7 +84,7 @@ def _ratio(part: float, whole: float, reason: str) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CircuitShares:
-    """What each sample adds to the sums of a circuit, (n,) each, in their units; `sums` has what they are."""
+    """Part of each sample in the sums of a circuit, (n,) each, named and in units as there."""
 
     torque: np.ndarray
     resistance: np.ndarray
@@ -90,42 +97,40 @@ class CircuitShares:
     time: np.ndarray
 
     def sums(self, counted: np.ndarray) -> CircuitSums:
-        """The sums over the samples that are counted, (n,) bool."""
-        return CircuitSums(
-            **{of.name: float(getattr(self, of.name)[counted].sum()) for of in fields(self)}
-        )
+        """Sums over the samples that are counted, (n,) bool."""
+        found = {of.name: float(getattr(self, of.name)[counted].sum()) for of in fields(self)}
+        return CircuitSums(**found)
 
     def running_efficiency(self, counted: np.ndarray) -> np.ndarray:
-        """Wheel efficiency (eq 2.37) from the start up to each sample, (n,) [1]; NaN before the wheel is driven."""
-        torque, resistance, turned, free = (
-            np.cumsum(np.where(counted, values, 0.0))
-            for values in (self.torque, self.resistance, self.turned, self.free_turned)
-        )
-        return _running(torque - resistance, torque) * _running(free, turned)
+        """Wheel efficiency (eq 2.37) up to each sample, (n,) [1]; NaN before the wheel is driven."""
+        torque = _summed(self.torque, counted)
+        force = _quotient(torque - _summed(self.resistance, counted), torque)
+        free = _summed(self.free_turned, counted)
+        return force * _quotient(free, _summed(self.turned, counted))
 
     def running_drive_efficiency(self, counted: np.ndarray) -> np.ndarray:
-        """Drive efficiency (eq 2.38) from the start up to each sample, (n,) [1]; NaN before the battery gives."""
-        work, taken = (
-            np.cumsum(np.where(counted, values, 0.0))
-            for values in (self.shaft_work, self.electrical_work)
-        )
-        return _running(work, taken)
+        """Drive efficiency (eq 2.38) up to each sample, (n,) [1]; NaN before the battery gives."""
+        work = _summed(self.shaft_work, counted)
+        return _quotient(work, _summed(self.electrical_work, counted))
 
 
-def _running(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
+def _summed(values: np.ndarray, counted: np.ndarray) -> np.ndarray:
+    """Sum from the start up to each sample, (n,)."""
+    return np.cumsum(np.where(counted, values, 0.0))
+
+
+def _quotient(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
     return np.divide(part, whole, out=np.full(len(whole), np.nan), where=whole > 0.0)
 
 
-_FREE = {"front": "rear", "rear": "front"}  # axle whose wheels roll where the other one is driven
-
-
 def circuit_shares(run: Recording, vehicle: Vehicle) -> dict[str, CircuitShares]:
-    """The shares of each circuit, by the name of its wheel.
+    """Shares of each circuit, by the name of its wheel.
 
-    M_f follows from the balance of the wheel, M_f = M_k - F_x r - J w'. What a motor takes is its power at the shaft
-    and the losses of motor and inverter by the vehicle's loss model or map, as for torque-controlled drives; on a test
-    bench torque, speed, voltage and current are those that were measured.
-    NotMeasured if there is no free wheel beside a driven one, or if the motors are no circuits that are alike.
+    M_f follows from the balance of the wheel, M_f = M_k - F_x r - J w'. A motor takes its power at
+    the shaft and the losses of motor and inverter by the vehicle's loss model or map, as
+    torque-controlled drives do; on a test bench torque, speed, voltage and current are the measured
+    ones. NotMeasured if there is no free wheel beside a driven one, or if the motors are no circuits
+    that are alike.
     """
     if not (has_own_motors(vehicle) and has_equal_motors(vehicle)):
         raise NotMeasured("a circuit is one of equal motors, each of one wheel")
@@ -158,22 +163,22 @@ def _drive(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Torque [N m] and speed [rad/s] at the shaft, and the power that was taken [W], (n,) each."""
     if f"bench.shafts.torque.{wheel}" in run.channels:
-        torque, speed = (channel(run, f"bench.shafts.{of}.{wheel}") for of in ("torque", "speed"))
-        voltage, current = (
-            channel(run, f"bench.electrical.{of}.{wheel}") for of in ("voltage", "current")
-        )
-        return torque, speed, voltage * current
-    torque, speed = (channel(run, f"motor_states.{of}.{wheel}") for of in ("effort", "velocity"))
+        torque = channel(run, f"bench.shafts.torque.{wheel}")
+        speed = channel(run, f"bench.shafts.speed.{wheel}")
+        voltage = channel(run, f"bench.electrical.voltage.{wheel}")
+        return torque, speed, voltage * channel(run, f"bench.electrical.current.{wheel}")
+    torque = channel(run, f"motor_states.effort.{wheel}")
+    speed = channel(run, f"motor_states.velocity.{wheel}")
     return torque, speed, torque * speed + _losses(vehicle, torque, speed)
 
 
 def circuits(run: Recording, vehicle: Vehicle, counted: np.ndarray) -> dict[str, CircuitSums]:
-    """The sums of each circuit over the samples that are counted, (n,) bool, by the name of its wheel."""
+    """Sums of each circuit over the samples that are counted, (n,) bool, by its wheel."""
     return {wheel: shares.sums(counted) for wheel, shares in circuit_shares(run, vehicle).items()}
 
 
 def free_wheel_beside(wheel: str, vehicle: Vehicle) -> str:
-    """The wheel on the same side that rolls freely; NotMeasured if it is driven, too."""
+    """Name of the wheel on the same side that rolls freely; NotMeasured if it is driven, too."""
     axle, _, side = wheel.partition("_")
     free = f"{_FREE[axle]}_{side}"
     if free in vehicle.driven_wheels:
@@ -182,15 +187,14 @@ def free_wheel_beside(wheel: str, vehicle: Vehicle) -> str:
 
 
 def slip_energy(run: Recording, vehicle: Vehicle, counted: np.ndarray) -> float:
-    """Work lost by slip along the driven wheels in the samples that are counted, sum F_x r (w - w_free) [J]."""
+    """Work lost by slip along the driven wheels in counted samples, sum F_x r (w - w_free) [J]."""
     period = np.diff(run.time, prepend=run.time[:1])
     lost = 0.0
     for wheel in vehicle.driven_wheels:
-        free = free_wheel_beside(wheel, vehicle)
         force = channel(run, f"tire_forces.longitudinal_force.{wheel}")
-        gap = channel(run, f"wheel_states.velocity.{wheel}") - channel(
-            run, f"wheel_states.velocity.{free}"
-        )
+        speed = channel(run, f"wheel_states.velocity.{wheel}")
+        free = channel(run, f"wheel_states.velocity.{free_wheel_beside(wheel, vehicle)}")
+        gap = speed - free
         lost += float((force * _radius(vehicle, wheel) * gap * period)[counted].sum())
     return lost
 
@@ -208,9 +212,7 @@ def _losses(vehicle: Vehicle, torque: np.ndarray, speed: np.ndarray) -> np.ndarr
     """Losses of one motor and its inverter at shaft torques [N m] and speeds [rad/s], (n,) [W]."""
     motor = vehicle.motor
     if motor.map_efficiency:
-        tables, at = (
-            (motor.map_speed, motor.map_torque, motor.map_efficiency),
-            zip(torque, speed, strict=True),
-        )
-        return np.array([map_loss_power(float(one), float(other), *tables) for one, other in at])
+        tables = (motor.map_speed, motor.map_torque, motor.map_efficiency)
+        points = zip(torque, speed, strict=True)
+        return np.array([map_loss_power(float(m), float(w), *tables) for m, w in points])
     return loss_power(motor, torque, speed)

@@ -23,7 +23,10 @@ from ev_stack.recording.recording import Recording
 
 
 def windows(driver: Mapping[str, Any]) -> tuple[Profile, CycleModes]:
-    """The cycle [m/s over s] and its windows, of the parameters of a driver; NotMeasured if it drives no cycle."""
+    """Cycle [m/s over s] and its windows, of the parameters of a driver.
+
+    NotMeasured if it drives no cycle.
+    """
     if "modes.begin" not in driver:
         raise NotMeasured("the driver drives no cycle with windows of traction")
     given = {
@@ -32,36 +35,38 @@ def windows(driver: Mapping[str, Any]) -> tuple[Profile, CycleModes]:
         if name.startswith("modes.")
     }
     cycle = profile_of(
-        *(driver[f"speed_profile.{name}"] for name in ("time", "speed", "interpolation"))
+        driver["speed_profile.time"],
+        driver["speed_profile.speed"],
+        driver["speed_profile.interpolation"],
     )
     return cycle, cycle_modes(build(CycleModesParameters, given), cycle)
 
 
 def cycle_time(driver: Mapping[str, Any]) -> float:
-    """The time of the whole cycle, t_c of eq 2.40 [s]; NotMeasured if the driver drives no cycle."""
+    """Time of the whole cycle, t_c of eq 2.40 [s]; NotMeasured if the driver drives no cycle."""
     profile, _ = windows(driver)
     return profile.time[-1]
 
 
 def modes_over_time(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
-    """The mode of the cycle at each sample, (n,) str; NotMeasured if the driver drives no cycle."""
+    """Mode of the cycle at each sample, (n,) str; NotMeasured if the driver drives no cycle."""
     return np.array(MODES)[_modes(run, driver)]
 
 
 def _modes(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
-    """The same as places in `MODES`."""
+    """Mode of the cycle at each sample, as a place in `MODES`, (n,)."""
     _, modes = windows(driver)
     return modes_at(modes, run.time)
 
 
 def wanted_speed(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
-    """The speed of the cycle at each sample, (n,) [m/s]; NotMeasured if the driver drives no cycle."""
+    """Speed of the cycle at each sample, (n,) [m/s]; NotMeasured if the driver drives no cycle."""
     profile, _ = windows(driver)
     return values_at(profile, run.time)
 
 
 def in_windows(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
-    """Whether the period that ends at a sample lies in a window of traction, (n,) bool.
+    """True where the period that ends at a sample lies in a window of traction, (n,) bool.
 
     `driver` are the parameters of the driver; NotMeasured if it drives no cycle.
     """
@@ -69,14 +74,15 @@ def in_windows(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
 
 
 def traction(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
-    """Whether besides the accelerator has been pressed over that period, (n,) bool.
+    """True where the accelerator has been pressed over such a period, (n,) bool.
 
-    Where the pedal is released within a window of traction no torque acts, and rolling resistance is all that there is.
+    Where the pedal is released within a window of traction no torque acts, and rolling resistance
+    is all that there is.
     """
     pressed = _of_the_period_before(channel(run, "driver.command.drive_torque") > 0.0)
     return in_windows(run, driver) & pressed
 
 
 def _of_the_period_before(answered: np.ndarray) -> np.ndarray:
-    """The mode from each sample on, given at the samples at which its period ends."""
+    """An answer from each sample on, at the sample at which its period ends, (n,) bool."""
     return np.concatenate(([False], answered[:-1]))

@@ -65,8 +65,9 @@ def case(
     further: Values = (),
     scenario: str = SCENARIO,
 ) -> Case:
-    """One cycle: name of the method, driver, seed of the road, and what else differs from the scenario."""
+    """One cycle of a method with a driver on the road of a seed, and further differences."""
     of = METHODS[method]
+    # Only with its speed imposed is the car driven through the cycle whatever its torque.
     values: Values = (
         ("electronic_differential", "method", of.differential),
         ("asr", "method", of.asr),
@@ -91,10 +92,10 @@ def case_name(method: str, driver: str, seed: int) -> str:
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """Efficiencies [1] and energies [J] of a cycle, over the samples with the pedal pressed and (`_windows`) over all.
+    """Efficiencies [1] and energies [J] of a cycle, with the pedal pressed and over all windows.
 
-    Right, left and their mean, as tables 3.1 to 3.6 and 5.1 to 5.6 have them. What cannot be measured, because a short
-    run has no traction, is left out.
+    Right, left and their mean, as tables 3.1 to 3.6 and 5.1 to 5.6 have them; those over all
+    windows end with `_windows`. Nothing is measured of a short run without traction.
     """
     vehicle = run.configurations[MASTER].common.vehicle
     driver = run.configurations["driver"].values()
@@ -102,15 +103,13 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
         shares = circuits.circuit_shares(recording, vehicle)
         pressed = traction_windows.traction(recording, driver)
         windows = traction_windows.in_windows(recording, driver)
-        found = {
-            **_efficiencies({wheel: of.sums(pressed) for wheel, of in shares.items()}, ""),
-            **_efficiencies({wheel: of.sums(windows) for wheel, of in shares.items()}, "_windows"),
-        }
-        whole = [of.sums(windows) for of in shares.values()]
+        under_traction = {wheel: of.sums(pressed) for wheel, of in shares.items()}
+        in_windows = {wheel: of.sums(windows) for wheel, of in shares.items()}
+        found = _efficiencies(under_traction, "") | _efficiencies(in_windows, "_windows")
         cycle_time = traction_windows.cycle_time(driver)
-        found["energy_as_printed"] = sum(circuit.energy(cycle_time) for circuit in whole)
-        found["energy_windows"] = sum(circuit.electrical_work for circuit in whole)
-        found["energy"] = sum(of.sums(pressed).electrical_work for of in shares.values())
+        found["energy_as_printed"] = sum(each.energy(cycle_time) for each in in_windows.values())
+        found["energy_windows"] = sum(each.electrical_work for each in in_windows.values())
+        found["energy"] = sum(each.electrical_work for each in under_traction.values())
         found["slip_energy"] = circuits.slip_energy(recording, vehicle, pressed)
     except NotMeasured:
         return {}
@@ -119,9 +118,14 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
 
 
 def _efficiencies(of: Mapping[str, CircuitSums], ending: str) -> dict[str, float]:
+    """Efficiencies by side and their mean, of the sums of each wheel."""
     found = {}
     for name, quantity in QUANTITIES.items():
-        by_side = {wheel.rpartition("_")[2]: quantity(circuit) for wheel, circuit in of.items()}
-        found.update({f"{name}_{side}{ending}": value for side, value in by_side.items()})
-        found[name + ending] = sum(by_side.values()) / len(by_side)
+        values = []
+        for wheel, circuit in of.items():
+            _, _, side = wheel.rpartition("_")
+            value = quantity(circuit)
+            found[f"{name}_{side}{ending}"] = value
+            values.append(value)
+        found[name + ending] = sum(values) / len(values)
     return found

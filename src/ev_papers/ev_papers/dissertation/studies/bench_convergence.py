@@ -1,4 +1,4 @@
-"""How the run on the bench goes over into the virtual run when its parameters become ideal, one by one."""
+"""Convergence of the run on the bench to the virtual run as its parameters become ideal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ from ev_papers.dissertation.studies.bench_difference import apart, away_from_swi
 from ev_stack.measures.metric import Metric
 from ev_study.studies.study import Case, Results
 
-ABOUT = "The urban cycle on the bench beside the virtual run - difference against each parameter of the bench"
+ABOUT = (
+    "The urban cycle on the bench beside the virtual run "
+    "- difference against each parameter of the bench"
+)
 COLUMNS = (
     "parameter",
     "value",
@@ -25,11 +28,11 @@ COLUMNS = (
     "torque away from switches [%]",
 )
 SUMS = ("ideal_",)
-SHORTEST = 16.0  # s: the first traction window of the cycle begins at 15.7 s
-LENGTH = 24.0  # s: rest, pulling away, both surfaces, spinning wheels
-EXCHANGE = 1e-3  # s, control period of the runs in which another parameter is varied
-PERIODS = (5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
-# Node, parameter, unit, values from bad to good. The others are ideal.
+SHORTEST = 16.0  # [s]: the first traction window of the cycle begins at 15.7 s
+LENGTH = 24.0  # [s]: rest, pulling away, both surfaces, spinning wheels
+EXCHANGE = 1e-3  # [s], control period of the runs in which another parameter is varied
+PERIODS = (5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)  # [s]
+# Parameter, unit, values from bad to good. The others are ideal.
 VARIED: tuple[tuple[str, str, tuple[float, ...]], ...] = (
     ("set_point.delay", "s", (1e-2, 5e-3, 2e-3, 1e-3, 2e-4, 5e-5, 1e-5)),
     ("set_point.torque_rate", "N m/s", (1e3, 1e4, 1e5, 1e6, 1e7)),
@@ -41,75 +44,79 @@ VARIED: tuple[tuple[str, str, tuple[float, ...]], ...] = (
     ("sensors.bench_speed.noise", "rad/s", (0.5236, 0.05, 0.005, 0.0005)),
 )
 
+measure = bench_difference.measure
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Which driver."""
+    """Add the driver."""
     parser.add_argument(
         "--driver",
         choices=DRIVERS,
         default="imposed_speed",
-        help="default: imposed_speed; pulse switches by the speed, so the least difference moves its pulses",
+        help=(
+            "default: imposed_speed; pulse switches by the speed, "
+            "so the least difference moves its pulses"
+        ),
     )
 
 
-def _period(period: float) -> tuple[tuple[str, str, float], ...]:
+def _period(period: float) -> Values:
     return (("*", "control_period", period),)
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """Virtual and ideal bench with each control period, and each value of each parameter with one of them."""
-
-    def bench(name: str, period: float, *further: tuple[str, str, float]) -> Case:
-        return case(given.driver, name, BENCH, (*ideal(), *_period(period), *further))
-
-    return [
-        *(
-            case(given.driver, f"virtual {period:g}", SCENARIO, _period(period))
-            for period in PERIODS
-        ),
-        *(bench(f"ideal {period:g}", period) for period in PERIODS),
-        *(
-            bench(f"{name} {value:g}", EXCHANGE, ("test_bench", name, value))
-            for name, _, values in VARIED
-            for value in values
-        ),
-    ]
+    """Virtual run and ideal bench with each period, and each value of each parameter with one."""
+    found = []
+    for period in PERIODS:
+        found.append(case(given.driver, f"virtual {period:g}", SCENARIO, _period(period)))
+    for period in PERIODS:
+        values = (*ideal(), *_period(period))
+        found.append(case(given.driver, f"ideal {period:g}", BENCH, values))
+    for name, _, varied in VARIED:
+        for value in varied:
+            values = (*ideal(), *_period(EXCHANGE), ("test_bench", name, value))
+            found.append(case(given.driver, f"{name} {value:g}", BENCH, values))
+    return found
 
 
 def case(driver: str, name: str, scenario: str, values: Values) -> Case:
-    """The part of the cycle with a driver, method 1, and some values changed."""
-    return replace(urban_cases.case("1", driver, 1, name, values, scenario), duration=LENGTH)
-
-
-measure = bench_difference.measure
+    """Part of the cycle with a driver, method 1, and some values changed."""
+    whole = urban_cases.case("1", driver, 1, name, values, scenario)
+    return replace(whole, duration=LENGTH)
 
 
 def _row(results: Results, case: str, beside: str) -> tuple[float, ...]:
-    one, other = results[case].measured, results[beside].measured
+    """Differences of a case to another one, in the order of COLUMNS."""
+    one = results[case].measured
+    other = results[beside].measured
+    calm = away_from_switches(one["pressed"], other["pressed"])
     return (
         apart(one["torque"], other["torque"]),
         apart(one["transducer"], other["transducer"]),
         apart(one["speed"], other["speed"]),
         100.0 * abs(one["distance"] / other["distance"] - 1.0),
-        apart(one["torque"], other["torque"], away_from_switches(one["pressed"], other["pressed"])),
+        apart(one["torque"], other["torque"], calm),
     )
 
 
 def differences(results: Results) -> dict[tuple[str, float, str], tuple[float, ...]]:
-    """By parameter, value and unit: of an ideal bench to the virtual run, of the others to the ideal bench."""
-    found = {
-        ("control_period", T, "s"): _row(results, f"ideal {T:g}", f"virtual {T:g}") for T in PERIODS
-    }
+    """Differences by parameter, value and unit.
+
+    Those of an ideal bench are to the virtual run, those of the others to the ideal bench.
+    """
+    found = {}
+    for period in PERIODS:
+        row = _row(results, f"ideal {period:g}", f"virtual {period:g}")
+        found["control_period", period, "s"] = row
     beside = f"ideal {EXCHANGE:g}"
     for name, unit, values in VARIED:
-        found.update(
-            {(name, value, unit): _row(results, f"{name} {value:g}", beside) for value in values}
-        )
+        for value in values:
+            found[name, value, unit] = _row(results, f"{name} {value:g}", beside)
     return found
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
-    """Of the ideal bench with the shortest exchange."""
+    """Differences of the ideal bench with the shortest exchange."""
     torque, _, speed, distance, away = differences(results)["control_period", PERIODS[-1], "s"]
     return {
         "ideal_torque_difference": Metric(torque, "%"),
@@ -121,7 +128,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     """Mean differences over the largest magnitude."""
-    return [
-        (name, f"{value:g}", unit, *(f"{each:.4f}" for each in found))
-        for (name, value, unit), found in differences(results).items()
-    ]
+    rows = []
+    for (name, value, unit), found in differences(results).items():
+        rows.append((name, f"{value:g}", unit, *(f"{each:.4f}" for each in found)))
+    return rows

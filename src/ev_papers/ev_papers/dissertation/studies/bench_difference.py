@@ -1,4 +1,4 @@
-"""Model against bench for each of the five methods (dissertation, figure 5.26), and what the difference comes from."""
+"""Model against bench for each of the five methods (figure 5.26), and causes of the difference."""
 
 from __future__ import annotations
 
@@ -25,9 +25,19 @@ from ev_stack.recording.recording import Recording
 from ev_stack.scenarios.scenario import Run
 from ev_study.studies.study import Case, Results
 
+ABOUT = (
+    "Dissertation, figure 5.26 - torque of model and bench for five methods, "
+    "and what their difference comes from"
+)
 WHEEL = "front_right"
-SAMPLING = 0.005  # s between the samples that are compared, as far as the control period divides it
-_STIFF, _NO_LIMIT = 1e7, 1e9
+SAMPLING = 0.005  # [s] between compared samples, as far as the control period divides it
+SHORTEST = 16.0  # [s]: the first traction window of the cycle begins at 15.7 s
+PUBLISHED = "5..10"  # figure 5.26 [%]
+LEFT = 2
+SUMS = ("largest_",)
+_ZOOM = 15.0  # [s] of the figure
+_STIFF = 1e7  # [N m/rad]
+_NO_LIMIT = 1e9
 _SENSORS = (
     "bench_torque",
     "bench_speed",
@@ -36,35 +46,57 @@ _SENSORS = (
     "bench_current",
     "bench_temperature",
 )
-
-
-def _bench(**values: float) -> Values:
-    return tuple(("test_bench", name.replace("__", "."), value) for name, value in values.items())
-
-
-# By what may differ from the virtual run; with all of them ideal nothing is left but the exchange by control periods.
+# Groups of what differs from the virtual run; with all of them ideal nothing is left but the
+# exchange by control periods.
 IDEAL: Mapping[str, Values] = {
-    "inverters": _bench(
-        set_point__delay=0.0,
-        set_point__torque_rate=_NO_LIMIT,
-        set_point__torque_resolution=0.0,
-        load_set_point__delay=0.0,
-        load_set_point__speed_rate=_NO_LIMIT,
-        load_set_point__speed_resolution=0.0,
+    "inverters": (
+        ("test_bench", "set_point.delay", 0.0),
+        ("test_bench", "set_point.torque_rate", _NO_LIMIT),
+        ("test_bench", "set_point.torque_resolution", 0.0),
+        ("test_bench", "load_set_point.delay", 0.0),
+        ("test_bench", "load_set_point.speed_rate", _NO_LIMIT),
+        ("test_bench", "load_set_point.speed_resolution", 0.0),
     ),
-    "load machine": (("plant", "wheel_speed", "virtual"),),  # it turns exactly with its set-point
-    "shaft": _bench(shaft__stiffness=_STIFF),
+    # It turns exactly with its set-point.
+    "load machine": (("plant", "wheel_speed", "virtual"),),
+    "shaft": (("test_bench", "shaft.stiffness", _STIFF),),
     "sensors": tuple(("test_bench", f"sensors.{name}.noise", 0.0) for name in _SENSORS),
 }
+BUS = "bus"
+CAUSES = (*IDEAL, BUS)
+COLUMNS = (
+    "driver",
+    "method",
+    "model against bench [%]",
+    "published, at most",
+    "distance [%]",
+    "exchange",
+    "rotor before the transducer",
+    *CAUSES,
+)
 
 
 def ideal(but: str = "") -> Values:
     """An ideal bench, but for one group that stays as the scenario has it."""
-    return tuple(value for group, values in IDEAL.items() if group != but for value in values)
+    values: Values = ()
+    for group, of_group in IDEAL.items():
+        if group != but:
+            values += of_group
+    return values
+
+
+# By name of the run its scenario, and what differs from it.
+BENCHES: Mapping[str, tuple[str, Values]] = {
+    "model": (SCENARIO, ()),
+    "ideal": (BENCH, ideal()),
+    "bench": (BENCH, ()),
+    **{group: (BENCH, ideal(but=group)) for group in IDEAL},
+    BUS: (BENCH, (*ideal(), ("test_bench", "method", "circuits_on_can"))),
+}
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """Of the right circuit: torque at the shaft [N m], with the rotor and as a transducer shows it, and wheel speed.
+    """Torque at the right shaft [N m], with the rotor and by a transducer, and wheel speed [rad/s].
 
     All of it at the `instants` [s]. NotMeasured if the run ends before the first traction window.
     """
@@ -87,43 +119,26 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
 
 
 def away_from_switches(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Samples, True where for two samples before and behind both drivers' feet stay and are alike."""
+    """True where for two samples before and behind both drivers' feet rest and are alike, (n,)."""
     count = min(len(one), len(other))
     feet = np.stack([one[:count], other[:count]])
-    moves = np.diff(feet, axis=1, prepend=feet[:, :1]).any(axis=0) | (feet[0] != feet[1])
-    return np.convolve(moves, np.ones(5), "same") == 0.0
+    moves = np.diff(feet, axis=1, prepend=feet[:, :1]).any(axis=0)
+    moves_or_differs = moves | (feet[0] != feet[1])
+    return np.convolve(moves_or_differs, np.ones(5), "same") == 0.0
 
 
 def apart(one: np.ndarray, other: np.ndarray, counted: np.ndarray | None = None) -> float:
     """Mean difference of two series over the largest magnitude of the second [%]."""
     count = min(len(one), len(other))
     difference = np.abs(one[:count] - other[:count])
+    if counted is not None:
+        difference = difference[counted[:count]]
     largest = float(np.abs(other).max())
-    mean = float((difference if counted is None else difference[counted[:count]]).mean())
-    return 100.0 * mean / largest if largest > 0.0 else 0.0
-
-
-ABOUT = "Dissertation, figure 5.26 - torque of model and bench for five methods, and what their difference comes from"
-COLUMNS = (
-    *("driver", "method", "model against bench [%]", "published, at most", "distance [%]"),
-    *("exchange", "rotor before the transducer", *IDEAL, "bus"),
-)
-LEFT = 2
-SUMS = ("largest_",)
-PUBLISHED = "5..10"  # %, figure 5.26
-BENCHES: dict[str, tuple[str, Values]] = {
-    "model": (SCENARIO, ()),
-    "ideal": (BENCH, ideal()),
-    "bench": (BENCH, ()),
-    **{group: (BENCH, ideal(but=group)) for group in IDEAL},
-    "bus": (BENCH, (*ideal(), ("test_bench", "method", "circuits_on_can"))),
-}
-SHORTEST = 16.0  # s: the first traction window of the cycle begins at 15.7 s
-_ZOOM = 15.0  # s of the figure
+    return 100.0 * float(difference.mean()) / largest if largest > 0.0 else 0.0
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Which drivers."""
+    """Add the drivers."""
     parser.add_argument(
         "--drivers",
         nargs="+",
@@ -138,49 +153,53 @@ def _name(method: str, driver: str, run: str) -> str:
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """Of each method the model, the bench, an ideal bench, and one with each group of its faults, or the bus, alone."""
-    return [
-        urban_cases.case(method, driver, 1, _name(method, driver, run), values, scenario)
-        for driver in given.drivers
-        for method in FIVE
-        for run, (scenario, values) in BENCHES.items()
-    ]
+    """Model, bench, an ideal bench, and one with each cause alone, for each method and driver."""
+    found = []
+    for driver in given.drivers:
+        for method in FIVE:
+            for run, (scenario, values) in BENCHES.items():
+                name = _name(method, driver, run)
+                found.append(urban_cases.case(method, driver, 1, name, values, scenario))
+    return found
 
 
-def _of(results: Results, method: str, driver: str, run: str) -> Any:
+def _of(results: Results, method: str, driver: str, run: str) -> Mapping[str, Any]:
     return results[_name(method, driver, run)].measured
 
 
 def differences(results: Results, method: str, driver: str) -> dict[str, float]:
-    """Mean differences of the right torque in traction over its largest value [%], in the order of COLUMNS.
+    """Mean differences of the right torque in traction over its largest value [%].
 
-    Exchange: ideal bench against the model. Rotor: what the transducer shows of it against what drives the car. Groups:
-    each alone on an otherwise ideal bench, against that.
+    They are in the order of COLUMNS. Exchange: ideal bench against the model. Rotor: the torque at
+    the transducer against the one that drives the car. Causes: each alone on an otherwise ideal
+    bench, against that.
     """
     of = {run: _of(results, method, driver, run) for run in BENCHES}
     model, exact = of["model"], of["ideal"]
     counted = model["in_traction"]
+
+    def by(cause: str) -> float:
+        return apart(of[cause]["transducer"], exact["transducer"], counted)
+
     return {
         "bench": apart(of["bench"]["transducer"], model["torque"], counted),
         "distance": 100.0 * abs(of["bench"]["distance"] / model["distance"] - 1.0),
         "exchange": apart(exact["torque"], model["torque"], counted),
         "rotor": apart(exact["transducer"], exact["torque"], counted),
-        **{
-            cause: apart(of[cause]["transducer"], exact["transducer"], counted)
-            for cause in (*IDEAL, "bus")
-        },
+        **{cause: by(cause) for cause in CAUSES},
     }
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
-    """The difference of each method, and the largest."""
+    """Difference of each method, and the largest."""
     found: dict[str, Metric] = {}
     for driver in given.drivers:
-        of = {method: differences(results, method, driver)["bench"] for method in FIVE}
-        found.update(
-            {f"difference_{method}_{driver}": Metric(value, "%") for method, value in of.items()}
-        )
-        found[f"largest_difference_{driver}"] = Metric(max(of.values()), "%")
+        largest = 0.0
+        for method in FIVE:
+            difference = differences(results, method, driver)["bench"]
+            found[f"difference_{method}_{driver}"] = Metric(difference, "%")
+            largest = max(largest, difference)
+        found[f"largest_difference_{driver}"] = Metric(largest, "%")
     return found
 
 
@@ -189,31 +208,34 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     found = []
     for driver in given.drivers:
         for method in FIVE:
-            first, distance, *rest = (
-                f"{value:.2f}" for value in differences(results, method, driver).values()
-            )
-            found.append(
-                (driver, f"{method} {METHODS[method].title}", first, PUBLISHED, distance, *rest)
-            )
+            values = differences(results, method, driver).values()
+            first, distance, *rest = (f"{value:.2f}" for value in values)
+            title = f"{method} {METHODS[method].title}"
+            found.append((driver, title, first, PUBLISHED, distance, *rest))
     return found
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
-    """Figure 5.26 for each method: model and bench, over some seconds of the first window of traction."""
+    """Figure 5.26 for each method: some seconds of the first window of traction."""
     shown = {}
     for driver in given.drivers:
-        panels = []
-        for method in FIVE:
-            model, bench = (_of(results, method, driver, run) for run in ("model", "bench"))
-            begin = float(model["instants"][np.argmax(model["in_traction"])])
-            part = slice(*np.searchsorted(model["instants"], (begin, begin + _ZOOM)))
-            time = model["instants"][part]
-            curves = [
-                Curve(time, model["torque"][part], "model"),
-                Curve(time[: len(bench["transducer"][part])], bench["transducer"][part], "bench"),
-            ]
-            panels.append(Panel(f"Right torque, method {method}", "torque [N m]", curves))
-        shown[f"figure_5_26_{driver}"] = Sheet(
-            panels, columns=1, start=float(panels[0].curves[0].time[0])
-        )
+        panels = [_panel(results, method, driver) for method in FIVE]
+        start = float(panels[0].curves[0].time[0])
+        shown[f"figure_5_26_{driver}"] = Sheet(panels, columns=1, start=start)
     return shown
+
+
+def _panel(results: Results, method: str, driver: str) -> Panel:
+    """Right torque of model and bench."""
+    model = _of(results, method, driver, "model")
+    bench = _of(results, method, driver, "bench")
+    begin = float(model["instants"][np.argmax(model["in_traction"])])
+    part = slice(*np.searchsorted(model["instants"], (begin, begin + _ZOOM)))
+    time = model["instants"][part]
+    measured = bench["transducer"][part]
+    curves = [
+        Curve(time, model["torque"][part], "model"),
+        # The bench may have been stopped before.
+        Curve(time[: len(measured)], measured, "bench"),
+    ]
+    return Panel(f"Right torque, method {method}", "torque [N m]", curves)
