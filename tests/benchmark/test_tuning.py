@@ -190,6 +190,25 @@ def test_a_stopped_search_goes_on_and_gives_the_same(tmp_path: Path, monkeypatch
     assert "pi_tuned" in capsys.readouterr().out
 
 
+def test_candidates_are_held_against_the_reference_in_their_own_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Other cars validate than train; the reference is asked for by the numbers of the cells of both."""
+    made: list[Training] = []
+
+    class Noted(Training):
+        def __init__(self, *given: object) -> None:
+            super().__init__(*given)
+            made.append(self)
+
+    monkeypatch.setattr("ev_study.commands.tune.Training", Noted)
+    run_tune([*WORDS, "--budget", "2", "--out", str(tmp_path)])
+    assert len(made) == 2
+    for each in made:
+        for _, of in each._cells:
+            (alone,) = Reference(each._board, [of.cell], None).driven(lambda points, compute: compute(points))
+            for name, values in alone.metrics[SMALL.reference].items():
+                assert np.array_equal(values, of.metrics[SMALL.reference][name], equal_nan=True), (of.cell, name)
+
+
 def test_a_search_goes_on_only_while_no_file_of_its_runs_has_changed(tmp_path: Path):
     """A vehicle and a law file, which only their contents tell apart from what they were."""
     car, law = tmp_path / "car.yaml", tmp_path / "own.py"

@@ -33,6 +33,7 @@ from ev_study.measured.records.record import (
 )
 from ev_study.measured.replays.open_loop import OpenLoop, graph, windows_of
 from ev_study.measured.replays.plausibility import contradictions
+from ev_study.studies.result_store import Answers
 
 CHANNELS = (LONGITUDINAL, LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE, LATERAL_ACCELERATION, LONGITUDINAL_ACCELERATION)
 
@@ -250,6 +251,22 @@ def test_no_signal_weighs_more_than_its_sensor_allows():
         found = identify(replay, free_parameters(["yaw"], replay.configurations), (YAW_RATE,), every=5, width=1.0,
                          starts=1, seed=0, most=25)  # fmt: skip
         assert found.weights[YAW_RATE] == floor
+
+
+def test_a_fit_of_which_answers_are_kept_is_that_of_one_without():
+    """Both fits ask at one point, by other weights; once more all of it is kept, and the bits are the same."""
+    noise = 0.01 * np.random.Generator(np.random.PCG64(1)).standard_normal(len(driven().time))
+    replay = replay_of(replace(record_of({YAW_RATE: driven().channels[YAW_RATE] + noise}), noise={}), inertia=1.2)
+    free = free_parameters(["yaw"], replay.configurations)
+    results: dict[str, bytes] = {}
+    plain, *others = (
+        identify(replay, free, (YAW_RATE, LATERAL), every=5, width=1.0, starts=1, seed=0, most=10, answers=answers)
+        for answers in (None, Answers(results, "a"), Answers(results, "a"))
+    )
+    for other in others:
+        assert other.weights == plain.weights
+        for name in ("values", "residuals", "derivatives"):
+            assert np.array_equal(getattr(other, name), getattr(plain, name)), name
 
 
 def test_what_was_not_measured_is_no_error():

@@ -85,7 +85,7 @@ def taken(store: ResultStore, key: str) -> int:
     """How many of three answers an earlier command has computed; all of them are right."""
     answers = Answers(store, key)
     for points in POINTS:
-        assert np.array_equal(answers.answer(points, lambda points: points.sum(axis=1)), points.sum(axis=1))
+        assert np.array_equal(answers.answer("sum", points, lambda points: points.sum(axis=1)), points.sum(axis=1))
     return answers.taken
 
 
@@ -97,5 +97,13 @@ def test_an_answer_is_computed_once_for_a_key_and_its_points(tmp_path: Path):
 def test_an_answer_that_one_search_asks_for_twice_was_not_computed_before(tmp_path: Path):
     answers = Answers(ResultStore(SOURCES, tmp_path), "one")
     for _ in range(2):
-        answers.answer(POINTS[1], lambda points: points.sum(axis=1))
+        answers.answer("sum", POINTS[1], lambda points: points.sum(axis=1))
     assert answers.taken == 0
+
+
+def test_two_functions_that_a_search_asks_at_one_point_have_answers_of_their_own(tmp_path: Path):
+    """The errors of a fit by other weights, and the runs of other cars at the same number."""
+    answers = Answers(ResultStore(SOURCES, tmp_path), "one")
+    for factor in (1.0, 2.0, 1.0):
+        found = answers.answer({"weight": factor}, POINTS[1], lambda points, factor=factor: factor * points)
+        assert np.array_equal(found, factor * POINTS[1])

@@ -9,6 +9,7 @@ import argparse
 import csv
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from ev_msgs_py.refusal import ParameterError
@@ -31,6 +32,7 @@ from ev_study.tuning.training import Reference, Training
 
 ALL = "all"
 HISTORY = "history.csv"
+PARTS = ("training", "validation")  # of the cases of a board
 
 
 def run_tune(argv: Sequence[str]) -> None:
@@ -84,12 +86,12 @@ def _parser() -> argparse.ArgumentParser:
 
 def _references(board: Board, given: argparse.Namespace) -> list[Reference]:
     """Those of training and of validation."""
-    training = with_cases(board, "training", given.seed)
+    training = with_cases(board, PARTS[0], given.seed)
     cells = [cell for cell in training.cells(given.cells) if not board.manoeuvres[cell.manoeuvre].searched]
     if not cells:
         raise ParameterError("--cells leaves none to tune on: entry speeds are not tuned for")
     kept = {(cell.manoeuvre, cell.road) for cell in cells}
-    validation = with_cases(board, "validation", given.seed + 1)
+    validation = with_cases(board, PARTS[1], given.seed + 1)
     others = [cell for cell in validation.cells() if (cell.manoeuvre, cell.road) in kept]
     if not others:
         raise ParameterError("--cells leaves none to validate on: no validation car drives them")
@@ -98,7 +100,7 @@ def _references(board: Board, given: argparse.Namespace) -> list[Reference]:
 
 def _free(board: Board, law: str, given: argparse.Namespace) -> list[Free]:
     """The numbers of a law that are free; they start where they are for the first car."""
-    training = with_cases(board, "training", given.seed)
+    training = with_cases(board, PARTS[0], given.seed)
     cell = training.cells(given.cells)[0]
     patterns = given.free.split(",") if given.free is not None else board.tuned.get(law, ["*"])
     return free_parameters(law, law_of(training, law, run_of(training, cell, values_of(training, cell))), patterns)
@@ -117,16 +119,19 @@ def _tune(
     reads = [given.board, *(word.partition("=")[2] for word in given.laws)]
     with OutputFolder(out, "tune", (result, HISTORY), reads=reads) as folder:
         answers = Answers(ResultStore(digest_of_sources(config=True)), key)
+        # The runs of both are asked for at the same numbers of cells.
+        in_training, in_validation = asked = [partial(answers.answer, part) for part in PARTS]
         training, validation = (
-            Training(of.board, name, of.driven(answers.answer), given.cost, given.threads) for of in references
+            Training(of.board, name, of.driven(answer), given.cost, given.threads)
+            for of, answer in zip(references, asked, strict=True)
         )
         taken, reference = answers.taken, references[0].board.reference
         history, more = [], min(given.finalists + 1, given.budget) * validation.runs
         with bar_of_runs(f"tune {name}", given.budget * training.runs + more) as bar:
-            for candidate in search(training, free, given.budget, given.seed, answers.answer):
+            for candidate in search(training, free, given.budget, given.seed, in_training):
                 history.append(candidate)
                 bar.update(training.runs)
-            best, cost, before = chosen(history, validation, free, given.finalists, answers.answer)
+            best, cost, before = chosen(history, validation, free, given.finalists, in_validation)
             bar.update(more)
         lines = [
             command,

@@ -60,7 +60,9 @@ class Residuals:
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """(points, windows, signals times samples)."""
-        return self._answers.answer(points, self._computed) if self._answers else self._computed(points)
+        if self._answers is None:
+            return self._computed(points)
+        return self._answers.answer(self.weights, points, self._computed)
 
     def _computed(self, points: np.ndarray) -> np.ndarray:
         cars = changes(self._free, np.clip(points, *self.ends) * self.scale, self._replay.configurations)

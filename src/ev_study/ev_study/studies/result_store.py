@@ -99,7 +99,7 @@ def _last_used(folder: Path) -> float:
 
 
 class Answers:
-    """Answers of a function at arrays of points, computed once; `key` is a digest of all else that they depend on."""
+    """Answers of functions at arrays of points, computed once; `key` is a digest of all else that they depend on."""
 
     def __init__(self, results: Results, key: str) -> None:
         self._results = results
@@ -107,9 +107,12 @@ class Answers:
         self._own = set[str]()
         self.taken = 0  # that an earlier command has computed
 
-    def answer(self, points: np.ndarray, compute: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """The kept answer, else the computed one, which is kept."""
-        asked = f"{self._key} {points.dtype.str} {points.shape} ".encode() + points.tobytes()
+    def answer(self, of: object, points: np.ndarray, compute: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """The kept answer, else the computed one, which is kept.
+
+        `of` is what one function differs by from the others of the key, as its text: a search asks several at a point.
+        """
+        asked = f"{self._key} {of!r} {points.dtype.str} {points.shape} ".encode() + points.tobytes()
         name = f"{hashlib.sha256(asked).hexdigest()}.answer"
         kept = self._results.get(name)
         if kept is not None:
