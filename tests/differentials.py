@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from ev_core.lockstep.finding import find_method
 from ev_core.methods.register import create, refuse_layout
+from ev_core.parameters.declaration import Choice
 from ev_core.parameters.record import names
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.motor import Motor
@@ -126,7 +127,11 @@ class Differential:
 
     def __init__(self, name: str, car: Vehicle = SHCHUR, period: float = 0.01, **changed: Any) -> None:
         self.method = find_method(ROLE, name)
-        self.parameters = dataclasses.replace(self.method.parameters(), **changed)
+        defaults = self.method.parameters()
+        for parameter, value in changed.items():
+            if isinstance(kind := getattr(defaults, parameter), Choice) and isinstance(value, str):
+                changed[parameter] = type(kind).of(value)
+        self.parameters = dataclasses.replace(defaults, **changed)
         refuse_layout(self.method, self.parameters, car)
         self.object = create(self.method, self.parameters, car, period)
 

@@ -8,7 +8,8 @@ from setuptools import find_packages, setup
 PACKAGE = ElementTree.parse("package.xml").getroot()
 VERSION = PACKAGE.findtext("version")
 
-# What `ros2 run` starts is put into lib/ev_control by colcon; a wheel would put it on the PATH, under these bare names.
+# What `ros2 run` starts is put into lib/ev_control by colcon; a wheel would put it on the PATH,
+# under these bare names.
 NODES = [
     "electronic_differential = ev_control.nodes:main",
     "asr = ev_control.nodes:main",

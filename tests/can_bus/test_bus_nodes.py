@@ -133,7 +133,7 @@ def rig(name: str, gateway: dict[str, Any] | None = None, inverter: dict[str, An
 def test_torque_goes_from_the_graph_to_the_machines_and_feedback_comes_back():
     """74 N m at the wheel behind 7.4 are 10 N m at the shaft; right is circuit 11."""
     with rig("through") as r:
-        assert "says nothing" in r.gateway.station.enable(("Drive11",))
+        assert "is silent" in r.gateway.station.enable(("Drive11",))
         r.run(lambda: r.gateway.station.devices["Drive12"].command_age < 1.0 and r.states() == {1.0})
         assert r.call(r.world.enable, SetBool.Request(data=True)).message == "being enabled: Drive11, Drive12"
         r.run(lambda: r.states() == {float(OPERATION_ENABLED)})

@@ -162,9 +162,9 @@ def test_feedback_is_taken_in_si_units():
 
 def test_enabling_is_refused_with_the_reason():
     told = Told()
-    assert told.station.enable(("Drive11",)) == "Drive11 says nothing: no valid feedback within 0.01 s"
+    assert told.station.enable(("Drive11",)) == "Drive11 is silent: no valid feedback within 0.01 s"
     told.cycle(3, commanded=False)
-    assert told.station.enable(("Drive11",)) == "Drive11 has no command: none came within 0.1 s"
+    assert told.station.enable(("Drive11",)) == "Drive11 has no command: none within 0.1 s"
     told.cycle(3)
     assert told.station.enable(("Drive11",)) == ""
     told.state["Drive11"] = FAULT

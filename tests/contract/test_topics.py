@@ -53,7 +53,7 @@ def test_a_signal_whose_field_says_nothing_cannot_be_declared():
         speed: Annotated[float, Field("m/s", "of the car", "speed")]
         torque: Annotated[Wheels, Field("N m", "at the wheel", "{wheel}.effort")]
 
-    with pytest.raises(TypeError, match="says nothing about unit"):
+    with pytest.raises(TypeError, match="has nothing about unit"):
         Shape(Bare)
     with pytest.raises(TypeError, match="mixes numbers and values per wheel"):
         Shape(Mixed)

@@ -10,6 +10,7 @@ from ev_control.estimation.friction_estimate import (
     estimated_friction,
     unknown_road,
 )
+from ev_control.estimation.plausible import Sensors
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.car import car_numbers
@@ -17,7 +18,6 @@ from ev_msgs_py.contract.wheels import Wheels
 
 CAR = namespace(car_numbers(DISSERTATION))
 PERIOD = 0.005
-LOAD = Wheels.all(FRONT_LOAD)
 
 
 class Estimate:
@@ -33,7 +33,7 @@ class Estimate:
         effort = friction * FRONT_LOAD * 0.32
         motion = Motion(torque=torque, speeds=speeds, efforts=Wheels.front(effort, effort))
         _, _, column, wheels, imu, _, _ = motion.signals().values()
-        return estimated_friction(self.p, CAR, self.state, PERIOD, torque, LOAD, column, wheels, imu)
+        return estimated_friction(self.p, CAR, self.state, PERIOD, torque, Sensors(column, wheels, imu))
 
 
 SLIPPING = Wheels(30.0, 20.0, 20.0, 20.0)

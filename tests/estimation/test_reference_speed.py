@@ -10,16 +10,18 @@ import subprocess
 import pytest
 from traction import METHODS, PERIOD, ROLE, Control, car_of, in_regulator, numbers_of
 
+from ev_control.estimation.plausible import Sensors
 from ev_control.estimation.reference_speed import (
     ReferenceSpeedParameters,
     ReferenceSpeedState,
+    Source,
     StandstillParameters,
     rolling_speeds,
 )
 from ev_core.lockstep.configuration import configure
 from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.contract.signals import InertialMeasurement
-from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState, WheelStates
+from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.running.node_process import command
 from ev_stack.scenarios.scenario import Overrides, load_scenario
@@ -37,10 +39,13 @@ class Reference:
         self.state = ReferenceSpeedState()
 
     def rolling(self, velocity: Wheels, angle: float, imu: InertialMeasurement, direction: float) -> Wheels:
-        return rolling_speeds(self._p, self._car, self.state, PERIOD, velocity, angle, imu, direction)
+        sensors = Sensors(
+            SteeringColumnState(0.0, 0.0, 0.0, angle, 0.0), WheelStates(NO_WHEELS, velocity, NO_WHEELS), imu
+        )
+        return rolling_speeds(self._p, self._car, self.state, PERIOD, sensors, direction)
 
 
-def observer(at: float = 0.0, source: str = "observer", **changed) -> Reference:
+def observer(at: float = 0.0, source: Source = Source.OBSERVER, **changed) -> Reference:
     """An observer that has begun at a speed [m/s], straight on."""
     reference = Reference(WHEEL_NAMES, source=source, **changed)
     reference.rolling(Wheels.all(at / CAR.wheel_radius), 0.0, InertialMeasurement(0.0, 0.0, 0.0), 0.0)
@@ -63,7 +68,7 @@ def rolling(u: float, r: float, delta: float) -> Wheels:
 @pytest.mark.parametrize("driven", [("front_left", "front_right"), REAR, ("front_left",)])
 @pytest.mark.parametrize(("u", "r", "delta"), [(5.0, 0.0, 0.0), (5.0, 0.6, 0.3), (-3.0, 0.4, -0.35), (0.0, 0.0, 0.5)])
 def test_free_wheels_give_the_rolling_speed_of_every_wheel(driven, u, r, delta):
-    """In a bend, at rest and in reverse; whatever the driven wheels do."""
+    """Bend, rest and reverse, whatever the driven wheels do."""
     reference = Reference(driven)
     expected = rolling(u, r, delta)
     spinning = Wheels(*(99.0 if name in driven else w for name, w in zip(WHEEL_NAMES, expected, strict=True)))
@@ -84,7 +89,7 @@ def test_observer_of_a_car_that_rolls_shows_how_it_rolls(u, r, delta):
 @pytest.mark.parametrize("source", ["automatic", "observer"])
 def test_without_free_wheels_automatic_is_the_observer(source):
     """It goes by the accelerometer, not by the mean of the wheels."""
-    reference = observer(source=source, slipping_rate=0.0)
+    reference = observer(source=Source.of(source), slipping_rate=0.0)
     reference.rolling(Wheels.all(40.0), 0.0, InertialMeasurement(0.0, 2.0, 0.0), 1.0)
     assert reference.state.speed == 2.0 * PERIOD
 
@@ -132,7 +137,7 @@ def test_observer_believes_the_fastest_wheel_when_braking():
 
 
 def test_an_offset_of_the_accelerometer_stays_bounded():
-    """At 10 m/s with an offset of 0.2 m/s^2: too low by at most 0.2/0.5 = 0.4 m/s, too high by 0.2/20 = 0.01 m/s."""
+    """Speed 10 m/s with an offset of 0.2 m/s^2: too low by at most 0.2/0.5 = 0.4 m/s, too high by 0.2/20 = 0.01 m/s."""
     for offset, low, high in ((-0.2, 9.6, 10.0), (0.2, 10.0, 10.01)):
         reference = observer(at=10.0)
         for _ in range(4000):
@@ -179,7 +184,7 @@ def test_wheels_that_lock_on_the_move_do_not_stand():
 
 
 def test_no_rate_learns_nothing():
-    """As all traction controls have it by default: 0.2 m/s^2 against 0.5 1/s are 0.4 m/s for a car that stands."""
+    """Default of all traction controls: 0.2 m/s^2 against 0.5 1/s are 0.4 m/s for a car that stands."""
     reference = standing(0.2, 20.0, rate=0.0)
     assert reference.state.offset == 0.0
     assert reference.state.speed == pytest.approx(0.4, rel=0.01)  # e^-10 and the step are below

@@ -10,6 +10,7 @@ from differentials import ZHILEYKIN, Motion
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from ev_control.estimation.plausible import Sensors
 from ev_control.estimation.slip_angle_observer import (
     SlipAngleObserverParameters,
     SlipAngleObserverState,
@@ -25,7 +26,7 @@ PERIOD = 0.01
 
 
 def test_axle_slip_angles_by_hand():
-    """With u = 10, v = 1, r = 0.2, arms 1.35 m: d1 = 0.1 - atan(0.127), d2 = -atan(0.073)."""
+    """Motion u = 10, v = 1, r = 0.2, arms 1.35 m: d1 = 0.1 - atan(0.127), d2 = -atan(0.073)."""
     front, rear = axle_slip_angles(CAR, 10.0, 1.0, 0.2, 0.1, 1.0)
     assert (front, rear) == pytest.approx((0.1 - math.atan(0.127), -math.atan(0.073)), rel=1e-14)
 
@@ -81,7 +82,7 @@ def observed(true_stiffness: float, speed: float = 15.0) -> tuple[float, float]:
     errors, largest = [], 0.0
     for motion in bicycle(2.0, 0.02, speed, true_stiffness):
         _, driver, column, wheels, imu, body, _ = motion.signals().values()
-        estimate = observed_slip_angles(p, CAR, s, PERIOD, driver, column, wheels, imu)
+        estimate = observed_slip_angles(p, CAR, s, PERIOD, driver, Sensors(column, wheels, imu))
         truth = axle_slip_angles(CAR, body.longitudinal, body.lateral, body.yaw_rate, 0.02, 1.0)
         errors.append(max(abs(e - t) for e, t in zip(estimate, truth, strict=True)))
         largest = max(largest, *(abs(t) for t in truth))
@@ -97,7 +98,7 @@ def test_observer_follows_a_step_steer_of_the_tyre_it_knows(speed):
 
 
 def test_observer_cannot_see_a_slippery_road_in_a_steady_turn():
-    """With a tyre half as stiff the axles slip twice as much, and the observer's tyre decides: it misses the rest.
+    """The axles slip twice as much with a tyre half as stiff, and the observer's tyre decides: it misses the rest.
 
     The rear axle's true slip angle is twice that of the stiffer tyre; the transient of two seconds is not over, and u
     comes with it, so only 30 to 55 % of the largest slip angle is asked.
@@ -115,5 +116,6 @@ def test_speed_is_that_of_the_wheel_that_cannot_slip(torque, brake, u, ahead):
     motion = Motion(torque=ahead * torque, brake=brake, r=0.1, speeds=speeds)
     _, driver, column, wheels, imu, _, _ = motion.signals().values()
     s = SlipAngleObserverState()
-    found = observed_slip_angles(SlipAngleObserverParameters(), narrow, s, PERIOD, driver, column, wheels, imu)
+    sensors = Sensors(column, wheels, imu)
+    found = observed_slip_angles(SlipAngleObserverParameters(), narrow, s, PERIOD, driver, sensors)
     assert found == pytest.approx(axle_slip_angles(CAR, ahead * u, s.lateral_velocity, 0.1, 0.0, 1.0), rel=1e-12)

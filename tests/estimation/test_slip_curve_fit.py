@@ -12,10 +12,10 @@ from traction import numbers_of
 
 from ev_control.estimation.slip_curve_fit import (
     CAPACITY,
-    SQUARE,
     FittedCurve,
     SlipCurveFit,
     SlipCurveParameters,
+    Template,
     add_sample,
     fitted_curve,
     fitted_peak,
@@ -161,10 +161,10 @@ def test_the_fit_finds_burckhardts_peak(surface):
 
 def test_template_of_the_patent_fits_its_own_curve():
     """A x + B x^2 = 4 x - 20 x^2 has its peak at -A/(2 B) = 0.1, where its slope is zero, and no error."""
-    patent, fit = SlipCurveParameters(template="square", largest_error=1e-12), SlipCurveFit()
+    patent, fit = SlipCurveParameters(template=Template.SQUARE, largest_error=1e-12), SlipCurveFit()
     for n in range(60):
         x = 0.002 * n
-        add_sample(fit, SIZE, OFFSET, x, 4.0 * x - 20.0 * x * x, SQUARE)
+        add_sample(fit, SIZE, OFFSET, x, 4.0 * x - 20.0 * x * x, Template.SQUARE)
     numbers = numbers_of(patent)
     assert fitted_curve(fit) == pytest.approx((4.0, -20.0), rel=1e-9)
     assert fitted_peak(numbers, fit) == pytest.approx(0.1, rel=1e-9)

@@ -7,7 +7,7 @@ import pytest
 from launches import driven
 from traction import CAR, PERIOD, car_of, numbers_of
 
-from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState, observed_slip
+from ev_control.estimation.slip_observers import Observer, SlipObserverParameters, SlipObserverState, observed_slip
 from ev_control.estimation.wheel_dynamics import WheelMotion, start_again
 
 STRAIGHT = (1.0, 0.0, 0.0, 0.0)  # ahead; speed, yaw rate and road-wheel angle, which the observers do not look at
@@ -32,7 +32,7 @@ def launched() -> dict[str, np.ndarray]:
 def observed(kind: str, noise: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Estimated slip and that of the kinematics, of the front left wheel while it turns faster than 3 rad/s."""
     c, car = launched(), car_of(CAR)
-    p, state = numbers_of(SlipObserverParameters(observer=kind)), SlipObserverState()
+    p, state = numbers_of(SlipObserverParameters(observer=Observer.of(kind))), SlipObserverState()
     speed = c["wheel_states.velocity.front_left"] + noise * np.random.default_rng(1).standard_normal(
         len(c["twist.longitudinal"])
     )
@@ -79,8 +79,8 @@ INERTIA, CARRIED = 1.658 + 7.4**2 * 0.02, 1085.0 * 0.32**2  # kg m^2: J, and r^2
 
 
 def test_derivative_by_hand():
-    """From l = 0 at w = 20, w' = 10, T = 500: l' = (1 + J/(r^2 M)) 0.5 - 500/(r^2 M 20), for 5 ms."""
-    p, s = numbers_of(SlipObserverParameters(observer="derivative")), SlipObserverState()
+    """Start from l = 0 at w = 20, w' = 10, T = 500: l' = (1 + J/(r^2 M)) 0.5 - 500/(r^2 M 20), for 5 ms."""
+    p, s = numbers_of(SlipObserverParameters(observer=Observer.DERIVATIVE)), SlipObserverState()
     slip = observed_slip(p, car_of(CAR), s, PERIOD, motion(20.0, 10.0, 500.0))
     assert slip == pytest.approx(((1 + INERTIA / CARRIED) * 0.5 - 500.0 / (CARRIED * 20.0)) * PERIOD, rel=1e-12)
     slip_then = observed_slip(p, car_of(CAR), s, PERIOD, motion(20.0, 0.0, 0.0))
@@ -89,7 +89,7 @@ def test_derivative_by_hand():
 
 def test_disturbance_by_hand():
     """A torque that moves half the car and the wheel at l = 0.2: eq 1.10 gives that back."""
-    p, s = numbers_of(SlipObserverParameters(observer="disturbance", filter_time=0.0)), SlipObserverState()
+    p, s = numbers_of(SlipObserverParameters(observer=Observer.DISTURBANCE, filter_time=0.0)), SlipObserverState()
     turning = 10.0
     torque = INERTIA * turning + CARRIED * turning * (1 - 0.2)
     assert observed_slip(p, car_of(CAR), s, PERIOD, motion(20.0, turning, torque)) == pytest.approx(0.2, rel=1e-12)
@@ -99,14 +99,14 @@ def test_disturbance_by_hand():
 
 @pytest.mark.parametrize("kind", ["derivative", "corrected_derivative", "disturbance"])
 def test_estimates_stay_within_nothing_and_all(kind):
-    p, s = numbers_of(SlipObserverParameters(observer=kind)), SlipObserverState()
+    p, s = numbers_of(SlipObserverParameters(observer=Observer.of(kind))), SlipObserverState()
     for n in range(400):
         sign = 1.0 if n % 200 < 100 else -1.0
         assert 0.0 <= observed_slip(p, car_of(CAR), s, PERIOD, motion(20.0, sign * 500.0, -sign * 3000.0)) <= 1.0
 
 
 def test_a_forgotten_slip_is_none():
-    p, s = numbers_of(SlipObserverParameters(observer="disturbance")), SlipObserverState()
+    p, s = numbers_of(SlipObserverParameters(observer=Observer.DISTURBANCE)), SlipObserverState()
     observed_slip(p, car_of(CAR), s, PERIOD, motion(20.0, 10.0, 500.0))
     start_again(SlipObserverState)(s)
     assert s == SlipObserverState()

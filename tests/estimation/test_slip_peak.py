@@ -1,4 +1,4 @@
-"""Whether a wheel has passed the peak of its slip curve (dissertation, eqs 2.34 to 2.36)."""
+"""Passed peaks of the slip curve (dissertation, eqs 2.34 to 2.36)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PEAK = 1.0 / 16.0 - 1e-4  # of -4 x + 2 sqrt(x + 1e-4)
 
 
 def passes(slips: list[float], noise: float = 1e-4, **changed) -> tuple[list[bool], SlipPeakState]:
-    """What is said in each step of slips along the curve; the torque is that of the mean slip of the period."""
+    """Answer in each step of slips along the curve; the torque is that of the mean slip of the period."""
     p, s, said = numbers_of(SlipPeakParameters(**changed)), SlipPeakState(), []
     for slip in slips:
         mean = max((slip + s.slip) / 2, 0.0)

@@ -105,7 +105,7 @@ def test_sound_sensors_are_never_lost(car, noise, step, a, seed):
 
 
 def test_free_wheels_at_one_speed_to_the_bit_are_sound_while_others_spin():
-    """On ice, by sensors with steps: the car keeps its speed, and the driven wheels gain 10 m/s."""
+    """Ice, and sensors with steps: the car keeps its speed, and the driven wheels gain 10 m/s."""
     law = control()
     for n in range(200):
         spin = 5.0 + 0.05 * n
@@ -141,7 +141,7 @@ def test_everything_is_believed_by_default():
 
 
 def test_the_wrong_expectation_is_given_up_where_no_wheel_fits_it():
-    """From 8 to 2 m/s in a period, which no car does: every wheel seems wrong, so what they say is believed again."""
+    """A step from 8 to 2 m/s, which no car does: every wheel seems wrong, so all are believed again."""
     law = control()
     for step in range(100):
         law.step(Measured(drive=DRIVE, speed=speeds(8.0 if step < 50 else 2.0), torque=DRIVE))

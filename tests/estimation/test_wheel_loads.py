@@ -45,7 +45,7 @@ def test_transfer_by_hand():
 
 @given(a_x=st.floats(-4.0, 4.0), a_y=st.floats(-4.0, 4.0))
 def test_loads_add_up_to_the_weight(a_x, a_y):
-    """As long as no wheel lifts, which takes more than these accelerations."""
+    """Loads while no wheel lifts, which takes more than these accelerations."""
     assert math.fsum(wheel_loads(CAR, InertialMeasurement(0.0, a_x, a_y))) == pytest.approx(WEIGHT, rel=1e-12)
 
 

@@ -44,7 +44,7 @@ def test_a_steady_spin_is_left_to_spin():
 
 @pytest.mark.parametrize(("gained", "falls"), [(1.4, True), (1.1, False)])
 def test_what_a_gripping_tyre_gains_is_no_slip(gained, falls):
-    """At 20 rad/s 0.07 of it, 1.4 rad/s: a step of the torque winds the carcass up faster than the car follows.
+    """Gain of 0.07 of 20 rad/s, 1.4 rad/s: a step of the torque winds the carcass up faster than the car follows.
 
     What has been gained 10 ms ago counts by 0.99, with a memory of 1 s.
     """

@@ -92,7 +92,7 @@ def on_the_road(**changed) -> Differential:
 
 
 def test_on_the_road_the_other_wheel_gets_no_more():
-    """Of 500 N m the left takes 300 N m, which acts behind the gear: the right is asked for as much, by 11 in 1."""
+    """The left takes 300 of 500 N m, which acts behind the gear: the right is asked for as much, by 11 in 1."""
     law = on_the_road()
     acting = (300.0 * EFFICIENCY, 500.0 * EFFICIENCY)
     assert refusing(law, PEDAL, *acting, 1).drive == Wheels.front(500.0, 500.0)  # nothing was asked for before

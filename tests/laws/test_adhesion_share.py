@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ev_control.estimation.friction_estimate import FrictionEstimateParameters
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters, Source
 from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
@@ -71,7 +71,7 @@ def test_snow_and_asphalt_by_hand():
 
 @pytest.mark.parametrize(("speed", "arrives"), [(20.0, 0.97), (0.0, 0.97), (-20.0, 1 / 0.97)])
 def test_the_wheel_gets_its_grip_through_the_gear(speed, arrives):
-    """Of a command the gear lets 97 % arrive where it drives; where the motor brakes, the gear helps."""
+    """The gear lets 97 % of a command arrive where it drives; where the motor brakes, the gear helps."""
     car = dataclasses.replace(DISSERTATION, motor=Motor(gear_efficiency=0.97))
     motion = dataclasses.replace(on_road(9000.0, 0.4, 0.8), speeds=Wheels.all(speed))
     drive = Differential(LAW, car, PERIOD, limit=True).step(motion).drive
@@ -110,7 +110,7 @@ def test_truth_learns_nothing():
 
 
 def test_free_wheels_must_be_there_to_be_believed():
-    estimate = FrictionEstimateParameters(reference=ReferenceSpeedParameters(source="free_wheels"))
+    estimate = FrictionEstimateParameters(reference=ReferenceSpeedParameters(source=Source.FREE_WHEELS))
     line = "adhesion_share needs a wheel without a motor for estimate.reference.source free_wheels"
     with pytest.raises(ParameterError, match=line):
         Differential(LAW, on(DISSERTATION, WHEEL_NAMES), estimate=estimate)

@@ -1,4 +1,4 @@
-"""What every traction control does on a real road: pulling away, and jumps of friction."""
+"""Traction controls on a real road: pulling away, and jumps of friction."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ PEAK_ON_ICE = {  # largest slip after dry asphalt ends at 26 km/h with 1200 N m 
 @pytest.mark.parametrize("surface", SURFACE_NAMES)
 @pytest.mark.parametrize("name", METHODS)
 def test_launches_do_not_chatter(name, surface):
-    """From rest: the torque never turns its sign, and the car gets away as well as without control, within 1 %.
+    """Start from rest: the torque never turns its sign, and the car gets away as well as without control, within 1 %.
 
     On ice the force hardly depends on the slip, so there is nothing to win; a limit that falls too far only loses.
     slip_window and acceleration_ratio lose 10 to 17 % of the speed there, over eight seeds of the noise, and
@@ -63,7 +63,7 @@ def test_launches_do_not_chatter(name, surface):
 @pytest.mark.parametrize("surface", SURFACE_NAMES)
 @pytest.mark.parametrize("name", CONTROLS)
 def test_mean_slip_is_lower_than_without(name, surface):
-    """On every road; on snow at most a third of the 0.82 without control, but for the law that knows no slip."""
+    """Every road; on snow at most a third of the 0.82 without control, but for the law that knows no slip."""
     mean, off = (slip_of(full_throttle(law, surface))[200:].mean() for law in (name, "off"))
     assert mean < off
     if surface == "packed_snow_1":

@@ -1,4 +1,4 @@
-"""What holds for every traction control whatever happens: it only takes torque away, mirrors, and keeps out of it."""
+"""Properties of every traction control whatever happens: it only takes torque away, mirrors, and keeps out of it."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_left_and_right_mirror_to_the_bit(name, sequence, car):
 @given(sequence=sequences, car=cars)
 @pytest.mark.parametrize("name", METHODS)
 def test_reverse_mirrors_forward_to_the_bit(name, sequence, car):
-    """Not for the load by accelerations, which one backwards shifts to the front, nor for slip angles: without them."""
+    """Reverse mirrors forward without the load by accelerations, which shifts to the front, and slip angles."""
     law, mirror = Control(name, car), Control(name, car)
     for m in sequence:
         if name == "adhesion_limit":

@@ -93,7 +93,7 @@ def starts(vehicle: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @pytest.mark.slow
 def test_a_car_with_four_driven_wheels_drives_from_the_first_instant():
-    """In a lane change at 80 km/h all of the torque is there, where an observer from 0 m/s took 4 s to let it pass."""
+    """All of the torque is there in a lane change at 80 km/h; an observer from 0 m/s takes 4 s to let it pass."""
     run = ev_stack.run("double_lane_change", vehicle="layout_1_8_c", method={"asr": "pi_slip"}, duration=1.0)
     for of in run.runs.values():
         for wheel in WHEEL_NAMES:

@@ -32,7 +32,7 @@ def front(drive: Wheels) -> float:
 
 
 def test_front_slides_by_cos_phi():
-    """With cos(phi) = 0.6 and k = 0.5, h = 0.3; q = 2.7*0.1*0.3/(2*1.55*0.7) = 0.0373, by hand."""
+    """Angle with cos(phi) = 0.6 and k = 0.5: h = 0.3; q = 2.7*0.1*0.3/(2*1.55*0.7) = 0.0373, by hand."""
     drive = made(k=0.5, rear_wheels="by_geometry").step(Motion(torque=1000.0, a_x=0.6, a_y=0.8).steered(0.1)).drive
     q = 2.7 * 0.1 * 0.3 / (2 * 1.55 * 0.7)
     assert drive == pytest.approx((150, 150, 350 * (1 + q), 350 * (1 - q)), rel=1e-12)
@@ -43,7 +43,7 @@ SLIDING = Motion(torque=1000.0, v=-2.0, a_x=0.6, a_y=0.8).steered(-0.1)  # 0.4 r
 
 @pytest.mark.parametrize(("branch", "share"), [("printed", 0.2), ("derived", 0.3), ("rear_share", 0.5)])
 def test_rear_slides_by_three_readings(branch, share):
-    """With k = 0.5: k (1 - 0.6) as printed, k 0.6 as derived, 1 - k 0.6 = 0.7, limited to a half."""
+    """Factor k = 0.5: k (1 - 0.6) as printed, k 0.6 as derived, 1 - k 0.6 = 0.7, limited to a half."""
     assert front(made(k=0.5, second_branch=branch).step(SLIDING).drive) == pytest.approx(1000.0 * share, rel=1e-12)
 
 
@@ -66,7 +66,7 @@ def test_front_share_ends_at_one_half():
 @pytest.mark.parametrize("braking", ["straight", "deceleration", "command"])
 @pytest.mark.parametrize("factor", ["given", "equality"])
 def test_speeding_up_backwards_is_no_braking(braking, factor):
-    """In reverse torque, acceleration and speeds change their sign, and nothing else; slowing down is all rear."""
+    """Torque, acceleration and speeds change their sign in reverse, and nothing else; slowing down is all rear."""
     steered = Motion(torque=1000.0, a_x=0.6, a_y=0.8, speeds=RIGHT_IS_SLOWER).steered(0.1)
     back = dataclasses.replace(steered, torque=-1000.0, a_x=-0.6, speeds=Wheels(*(-each for each in RIGHT_IS_SLOWER)))
     forwards = made(braking=braking, factor=factor, k=0.5).step(steered).drive
@@ -163,7 +163,7 @@ def test_no_wheel_works_against_the_others_and_the_front_share_is_limited(sequen
 
 
 def test_truth_needs_no_observer():
-    """What only the observer looks at, the speeds of the front wheels, changes nothing."""
+    """The speeds of the front wheels, which only the observer uses, change nothing."""
     motion = Motion(torque=1000.0, r=0.3, v=0.2, a_x=0.6, a_y=0.8).steered(0.1)
     spinning = dataclasses.replace(motion, speeds=motion.speeds._replace(front_left=90.0))
     assert made().step(motion) == made().step(spinning)

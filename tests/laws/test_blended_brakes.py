@@ -61,7 +61,7 @@ def test_at_rest_all_passes_to_the_bit(torque):
 
 
 def test_drive_and_brake_together_pass():
-    """Who holds the car on the brake while he drives asks for just that."""
+    """A driver who holds the car on the brake while he drives asks for just that."""
     both = braking(100.0, drive=Wheels.all(200.0))
     assert Brakes().step(both, 20) == WheelTorqueCommand(both.drive, both.brake)
 
@@ -75,7 +75,7 @@ def test_drives_brake_as_far_as_they_can():
 
 
 def test_the_pedal_comes_at_once_by_the_drive_and_slowly_by_the_brake():
-    """In the first period the drive gives all it can, and a brake 5 ms/(50 + 5) ms of its part."""
+    """The drive gives all it can in the first period, and a brake 5 ms/(50 + 5) ms of its part."""
     brakes = Brakes()
     brakes.step(ROLLING)
     command = brakes.step(braking(900.0))
@@ -99,7 +99,7 @@ def test_the_battery_bounds_what_drives_brake():
 
 @pytest.mark.parametrize("side", [0, 1])
 def test_a_wheel_that_locks_is_let_go_by_its_drive_first(side):
-    """At half the speed of the others: its drive pushes against the friction brake, which had 1500 N m."""
+    """A wheel at half the speed of the others: its drive pushes against the friction brake, which had 1500 N m."""
     brakes = Brakes(yaw__gain=0.0)
     brakes.step(braking(2000.0), 100)
     speed = Wheels(*(30.0 if i == side else 60.0 for i in range(4)))
@@ -123,7 +123,7 @@ LOCKING = braking(
 
 
 def said(m: Measured, times: int, first: Measured, **changed: Any) -> WheelTorqueCommand:
-    """What the law says after some steps, beginning with a car that rolls."""
+    """Answer of the law after some steps, beginning with a car that rolls."""
     brakes = Brakes(**changed)
     brakes.step(first)
     return brakes.step(m, times)
@@ -171,7 +171,7 @@ OFFSETS = (-0.2, 0.2)  # of an accelerometer [m/s^2], as a slope of 2 % is one
 
 
 def offset_run(offset: float, pedals: dict[str, list[float]], duration: float, grade: float = 0.0, **changed: Any):
-    """From rest on dry asphalt, with an offset of the accelerometer and nothing else that is wrong."""
+    """Start from rest on dry asphalt, with an offset of the accelerometer and nothing else that is wrong."""
     values = {f"driver.pedals.{name}": numbers for name, numbers in pedals.items()} | {
         "driver.pedals.begin_time": 0.0,
         "plant.initial_speed": 0.0,

@@ -44,14 +44,14 @@ def test_a_car_that_yaws_more_than_wanted_is_held_back():
 
 
 def test_the_wish_is_bounded_by_the_friction():
-    """On 0.1 the car may turn with 0.9 mu g/u = 0.0441 rad/s; at 0.1 rad/s the rest is too much."""
+    """Friction of 0.1 lets the car turn with 0.9 mu g/u = 0.0441 rad/s; at 0.1 rad/s the rest is too much."""
     motion = moving(r=0.1, hands=0.1, friction=Wheels.all(0.1), load=Wheels.all(3000.0))
     moment = -200.0 * (0.1 - 0.9 * 0.1 * 9.81 / 20.0)
     assert difference(made().step(motion)) == pytest.approx((16 * 5 * 0.1 + moment) / LEVER, rel=1e-12)
 
 
 def test_against_both_adds_what_is_missing():
-    """By the angle: r* = 20 * 0.01/2.405; M_z = 200 (r* - 0.02) turns the wheels further into the bend."""
+    """Wish by the angle: r* = 20 * 0.01/2.405; M_z = 200 (r* - 0.02) turns the wheels further into the bend."""
     motion = dataclasses.replace(moving(r=0.02).steered(0.01), speeds=FAST)
     spring = -16 * 0.051 * 0.16
     moment = 200.0 * (20.0 * 0.01 / 2.405 - 0.02)
@@ -87,7 +87,7 @@ def test_the_second_gets_its_demand_within_the_room_that_is_left(first, asked, g
 
 
 def test_the_drive_torque_comes_before_both():
-    """Where it takes all that the tyres hold nothing is left for the hands, and the sum is the driver's."""
+    """Nothing is left for the hands where it takes all that the tyres hold, and the sum is the driver's."""
     friction = Wheels.all(0.9 * 50.0 / (0.9 * 0.294 * FRONT_LOAD))
     drive = made().step(moving(hands=1.0, torque=100.0, friction=friction)).drive
     assert drive[:2] == (50.0, 50.0)

@@ -1,4 +1,4 @@
-"""What holds for electronic differentials whatever happens: mirrored cars, sums, brakes, wheels without a motor."""
+"""Properties of all electronic differentials whatever happens: mirrored cars, sums, brakes, wheels without a motor."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_mirrored_car_gets_mirrored_torques_to_the_bit(name, changed, driven, se
 @given(sequence=sequences, data=st.data())
 @pytest.mark.parametrize("name", [name for name in CARS if name not in LIMITING])
 def test_drive_torques_add_up_to_what_the_driver_asks(name, sequence, data):
-    """To rounding: 1e-12 of the numbers involved, for differences are far above the driver's torque at times."""
+    """Equal to rounding: 1e-12 of the numbers involved, for differences are far above the driver's torque at times."""
     driven = data.draw(st.sampled_from(LAYOUTS.get(name, ANY_LAYOUTS)))
     law = Differential(name, on(CARS[name], driven))
     for motion in sequence:
@@ -105,7 +105,7 @@ def test_wheels_without_a_motor_are_asked_for_nothing(name, motion, data):
 @given(brake=st.floats(0.0, 10000.0), share=st.floats(0.0, 1.0))
 @pytest.mark.parametrize("name", CARS)
 def test_brake_torques_add_up_and_are_never_negative(name, brake, share):
-    """To rounding (1e-12)."""
+    """Equal to rounding (1e-12)."""
     law = Differential(name, CARS[name], brake=BrakeSplitParameters(front_share=share))
     asked = law.step(Motion(brake=brake)).brake
     assert sum(asked) == pytest.approx(brake, rel=1e-12)

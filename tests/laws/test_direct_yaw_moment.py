@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import pytest
 from differentials import DISSERTATION, FRONT, GRAVITY, REAR, Differential, Motion, on
 
-from ev_control.electronic_differential.direct_yaw_moment import ALLOCATIONS, CONTROLLERS
+from ev_control.electronic_differential.direct_yaw_moment import Allocation, Controller
 from ev_control.torque_vectoring.pi import PIParameters
 from ev_core.check.method import check_method
 from ev_msgs_py.contract.signals import SteeringColumnState
@@ -91,7 +91,7 @@ def test_the_yaw_rate_follows_a_step_of_the_steering(controller, allowed, estima
 
 
 def test_without_control_the_same_car_is_off():
-    """What the test above has to bridge: this car is neutral in all but the place of its centre of mass."""
+    """The gap that the test above bridges: this car is neutral in all but the place of its centre of mass."""
     car = LinearCar(20.0)
     for _ in range(150):
         car.moves(0.02, 0.0)
@@ -99,7 +99,7 @@ def test_without_control_the_same_car_is_off():
 
 
 def test_predictive_control_within_its_bounds_is_the_regulator():
-    """At 20 m/s, a speed of the schedule: the same torques through a step of the steering."""
+    """Speed 20 m/s of the schedule: the same torques through a step of the steering."""
     found = [driven(made(controller=each), LinearCar(20.0), 0.02, 15) for each in ("lqr", "predictive")]
     for regulated, predicted in zip(*found, strict=True):
         assert predicted == pytest.approx(regulated, rel=1e-6)
@@ -118,7 +118,7 @@ def test_a_settled_car_is_left_in_peace(controller):
     assert max(abs(b.front_left - a.front_left) for a, b in itertools.pairwise(torques[150:])) < 1.0
 
 
-@pytest.mark.parametrize("controller", CONTROLLERS)
+@pytest.mark.parametrize("controller", Controller.texts())
 @pytest.mark.parametrize("speed", [0.0, 1.5, -1.5])
 def test_at_rest_noise_turns_no_wheel(controller, speed):
     """Below `slowest` all wheels get the same, whatever yaw rate the sensor shows and wherever the wheels stand."""
@@ -129,7 +129,7 @@ def test_at_rest_noise_turns_no_wheel(controller, speed):
     assert law.state["integral.moment"] == 0.0
 
 
-@pytest.mark.parametrize("allocation", ALLOCATIONS)
+@pytest.mark.parametrize("allocation", Allocation.texts())
 def test_torques_add_up_to_the_drivers_and_turn_as_is_asked(allocation):
     """1000 N m to drive; a yaw rate that is 0.05 rad/s too high: M_z = -10 J 0.05 (1 + 5 T), by hand.
 
@@ -142,7 +142,7 @@ def test_torques_add_up_to_the_drivers_and_turn_as_is_asked(allocation):
 
 
 @pytest.mark.parametrize(("layout", "still"), [(FRONT, REAR), (REAR, FRONT)])
-@pytest.mark.parametrize("allocation", ALLOCATIONS)
+@pytest.mark.parametrize("allocation", Allocation.texts())
 def test_one_driven_axle_does_it_alone(layout, still, allocation):
     law = made(on(DISSERTATION, layout), allocation=allocation, feed_forward=0.0)
     drive = law.step(LinearCar(20.0, r=0.02).motion(0.0, torque=400.0)).drive
@@ -200,7 +200,7 @@ def test_an_integral_does_not_wind_up_while_motors_saturate(controller, tracking
     assert (turning(drive) > 0.0) == (tracking < 1.0)
 
 
-@pytest.mark.parametrize("allocation", ALLOCATIONS)
+@pytest.mark.parametrize("allocation", Allocation.texts())
 def test_an_integral_leaves_no_error_however_torques_are_shared(allocation):
     """2000 N m to drive in the bend of a car whose tyres are softer than believed: r* to 1 % after 3 s.
 
@@ -212,7 +212,7 @@ def test_an_integral_leaves_no_error_however_torques_are_shared(allocation):
 
 
 def test_a_controller_without_an_integral_leaves_none_behind():
-    """Motors of 20 N m saturate for 1 s; who then changes to PI begins from nothing."""
+    """Motors of 20 N m saturate for 1 s; who then changes to Controller.PI begins from nothing."""
     weak = dataclasses.replace(CAR, motor=dataclasses.replace(CAR.motor, peak_torque=20.0))
     law = Differential(LAW, weak, PERIOD, controller="lqr")
     for _ in range(100):
@@ -279,8 +279,8 @@ def test_a_lane_change_on_snow_slides_half_as_much():
         scenario.runs[0].configurations,
         9.0,
         vary={
-            "electronic_differential.controller": ["pi", *CONTROLLERS],
-            "electronic_differential.largest_moment": [0.0, *[6000.0] * len(CONTROLLERS)],
+            "electronic_differential.controller": ["pi", *Controller.texts()],
+            "electronic_differential.largest_moment": [0.0, *[6000.0] * len(Controller.texts())],
         },
         metrics=["peak_sideslip", "yaw_rate_error"],
     )

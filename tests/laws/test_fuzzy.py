@@ -22,7 +22,7 @@ def test_degrees_add_up_to_one():
 
 @given(value=st.floats(-1e6, 1e6))
 def test_degrees_are_shares(value):
-    """To one rounding: of two numbers in 0..1 one is the other's complement."""
+    """Equal to one rounding: of two numbers in 0..1 one is the other's complement."""
     found = degrees(value)
     assert min(found) >= 0.0
     assert math.fsum(found) == pytest.approx(1.0, abs=2.3e-16)

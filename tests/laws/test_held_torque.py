@@ -26,7 +26,7 @@ def test_torque_of_the_last_step_in_the_range_is_the_limit_beyond_it():
 
 @pytest.mark.slow
 def test_a_torque_that_spins_a_wheel_keeps_it_spinning():
-    """On packed snow the range lies behind the peak at 0.09: the slip is that without control within 5 %."""
+    """The range lies behind the peak at 0.09 of packed snow: the slip is that without control within 5 %."""
     from launches import full_throttle, slip_of
 
     with_law, off = (slip_of(full_throttle(name, "packed_snow_1"))[200:].mean() for name in ("held_torque", "off"))

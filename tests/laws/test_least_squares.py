@@ -84,7 +84,7 @@ def pressed_slowly(surface: str) -> Channels:
 @pytest.mark.parametrize("wheel", ["front_left", "front_right"])
 @pytest.mark.parametrize("surface", HELD_SURFACES)
 def test_least_squares_hits_at_the_peak_and_stays_there(surface, wheel):
-    """At the first hit at least 97 % of the peak friction; then 0.8..1.5 S* on the mean and for most of the time.
+    """The first hit has at least 97 % of the peak friction; then 0.8..1.5 S* on the mean and for most of the time.
 
     Measured with eight seeds: 97.1 % and more; means of 0.88 to 1.38 S*; 70 to 99 % of the time inside. The curve is
     flat about the peak, so even the rest of the time costs little: the friction in use is at least 99 % on the mean.
@@ -133,7 +133,7 @@ def test_least_squares_leaves_dry_driving_alone():
 
 
 def test_least_squares_on_ice_ends_the_spin_by_its_backstop():
-    """Without a peak the slip swings below the backstop of 0.3, as soon as it counts against the speed of the car."""
+    """The slip swings below the backstop of 0.3 on ice, which has no peak, once it counts against the car's speed."""
     channels = launch("least_squares", ("ice",), 3000.0, 1.0, 12.0)
     fast = channels["wheel_states.velocity.rear_left"] > 4.0
     assert fast.sum() > 400

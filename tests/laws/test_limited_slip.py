@@ -21,7 +21,7 @@ def test_locked_torques_are_as_3_to_2(torque, difference):
 
 
 def test_locking_is_smooth_around_equal_speeds():
-    """At 0.5 rad/s tanh(1) of the locking share 0.2: 61 N m of 800 N m move."""
+    """A difference of 0.5 rad/s gives tanh(1) of the locking share 0.2: 61 N m of 800 N m move."""
     law = Differential("limited_slip", DISSERTATION)
     drive = law.step(Motion(torque=800.0, speeds=Wheels.front(30.5, 30.0))).drive
     assert drive.front_right - 400.0 == pytest.approx(400.0 * 0.2 * math.tanh(1.0), rel=1e-12)

@@ -35,7 +35,7 @@ def test_a_dead_motor_takes_its_partner_with_it(side):
 @pytest.mark.parametrize("asked", [200.0, -200.0])
 @pytest.mark.parametrize(("fault", "noise"), [(dragging, 0.0), (lambda _: 1.0, 0.0), (dead, 1.0), (dead, 10.0)])
 def test_a_dead_motor_that_shows_a_little_torque_is_dead(side, asked, fault, noise):
-    """By drag or noise of either sign: what had the other sign than its command counted as a small deviation alone."""
+    """Drag or noise of either sign: what had the other sign than its command counted as a small deviation alone."""
     limp = Limping(Motors(faults=only(side, fault), noise=noise))
     assert abs(limp.drive(asked, asked, 0.1)[1 - side]) <= 4.0 * noise + 1.1
     assert limp.lost()[side] == 1
@@ -130,7 +130,7 @@ def test_a_weak_motor_is_mirrored_at_the_wheel(asked):
 
 
 def test_a_wheel_that_spins_to_the_limits_of_its_motor_is_no_loss():
-    """At three times the speed of its partner power leaves a third of the torque; at the largest speed nothing."""
+    """Power leaves, at three times the speed of its partner, a third of the torque; at the largest speed nothing."""
     car = dataclasses.replace(CAR, motor=dataclasses.replace(CAR.motor, peak_power=10e3, maximum_speed=500.0))
     limp, asked = Limping(Motors(car)), Wheels.front(250.0, 250.0)
     for speed in (40.0, 80.0, 120.0, 500.0 / CAR.gear_ratio):
@@ -150,7 +150,7 @@ def test_a_slow_drive_is_expected_to_be_slow(lag, period):
 
 
 def test_a_torque_that_nobody_can_measure_counts_as_none():
-    """What a broken sensor shows does no more than a dead motor: a command that is finite, and never a larger one."""
+    """A broken sensor does no more than a dead motor: a command that is finite, and never a larger one."""
     for broken in (math.nan, math.inf, 1e300):
         limp = Limping()
         for _ in range(50):

@@ -40,7 +40,7 @@ def test_a_free_wheel_that_lies_costs_nothing_where_wheel_speeds_are_watched(law
 
 
 def test_a_driven_wheel_that_nobody_sees_gets_what_its_partner_gets():
-    """Without the watch its limit is open, and it spins with all that is asked for."""
+    """Its limit is open without the watch, and it spins with all that is asked for."""
     dead = (f"constant {SPEED}.front_left 0",)
     (blind, limited), (spared, same) = (end_speed("slip_window", dead, watch)[1] for watch in (False, True))
     assert blind == 1500.0 > 1.5 * limited

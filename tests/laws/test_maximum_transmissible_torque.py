@@ -18,7 +18,7 @@ ALWAYS = (("asr", "limits", "always"),)
 
 @pytest.mark.parametrize("relaxation", [0.5, 0.9])
 def test_transmissible_torque_by_hand(relaxation):
-    """With M_w = 1500, w' = 100, J = 1.658 + 7.4^2 0.02 = 2.7532: r F_d = 1224.68, times 1 + J/(alpha 1085 0.32^2)."""
+    """M_w = 1500, w' = 100, J = 1.658 + 7.4^2 0.02 = 2.7532: r F_d = 1224.68, times 1 + J/(alpha 1085 0.32^2)."""
     law = Control("maximum_transmissible_torque", filter_time=0.0, relaxation=relaxation, **ANY_GAIN)
     for speed in (10.0, 10.5):
         torque = law.step(spinning_at(speed, speed)).front_left
@@ -34,7 +34,7 @@ def test_a_wheel_that_follows_the_car_is_not_limited():
 
 
 def test_limit_rises_slowly_once_the_wheel_follows():
-    """By 1000 N m/s from the last one of eq 1.7."""
+    """It rises by 1000 N m/s from the last one of eq 1.7."""
     law = Control("maximum_transmissible_torque", filter_time=0.0, **ANY_GAIN)
     for speed in (10.0, 10.5):
         limit = law.step(spinning_at(speed, speed)).front_left
@@ -76,7 +76,7 @@ def test_always_lets_a_pressed_pedal_through_while_the_tyre_grips(sign, rising):
 
 @pytest.mark.parametrize("surface", ["ice", "packed_snow_1"])
 def test_always_slips_less_than_while_gaining(surface):
-    """At full throttle, with noise: on ice 0.59 on the mean instead of 0.81, on snow 0.47 instead of 0.50; as far."""
+    """Full throttle, with noise: on ice 0.59 on the mean instead of 0.81, on snow 0.47 instead of 0.50; as far."""
     every, gaining = (
         launch("maximum_transmissible_torque", (surface,), 3000.0, 1.0, 5.0, more=m) for m in (ALWAYS, ())
     )

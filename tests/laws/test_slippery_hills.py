@@ -26,7 +26,7 @@ def climbed(law: str, grade: float, sign: float = 1.0, torque: float = 3000.0) -
 
 @pytest.mark.parametrize("grade", [0.10, 0.12])
 def test_the_grip_suffices(grade):
-    """With 1600 N m the car climbs these hills without any traction control; at full throttle it stands."""
+    """The car climbs these hills with 1600 N m without any traction control; at full throttle it stands."""
     assert climbed("off", grade, torque=1600.0) > 2.0
     assert climbed("off", grade) < 0.0
 
@@ -40,7 +40,7 @@ def test_every_slip_law_starts_on_a_snowy_hill(law):
 
 @pytest.mark.parametrize("law", SLIP_LAWS)
 def test_they_start_backwards_as_well(law):
-    """With front drive the hill then loads the driven wheels, so that they have more grip than forwards."""
+    """The hill then loads the driven front wheels, so that they have more grip than forwards."""
     assert climbed(law, 0.10, -1.0) > 4.0
 
 
@@ -82,7 +82,7 @@ def test_laws_that_know_accelerations_alone_stand(law, grade):
 
 @pytest.mark.parametrize("law", SLIP_LAWS)
 def test_flat_snow_costs_nothing(law):
-    """At most 0.5 % of the distance with a target that is whole at rest; `expected_signal` 3.5 %."""
+    """Less than 0.5 % of the distance with a target that is whole at rest; `expected_signal` 3.5 %."""
     group = in_regulator(law, "at_rest")
     whole = launch(law, SNOW, 3000.0, 1.0, 6.0, more=(("asr", group, 1.0),))["pose.x"][-1]
     assert climbed(law, 0.0) > (0.96 if law == "expected_signal" else 0.995) * whole

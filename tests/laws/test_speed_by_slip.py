@@ -27,7 +27,7 @@ def test_slip_beyond_the_range_lowers_the_set_point_and_slip_below_raises_it():
 
 
 def test_set_point_ends_when_the_drive_has_given_the_request_for_a_while():
-    """For 0.2 s; a torque below 95 % of it begins the time anew."""
+    """It does for 0.2 s; a torque below 95 % of it begins the time again."""
     law = Control("speed_by_slip")
     law.set_points(at_slip(0.25))
     gives, lacks = at_slip(0.1), dataclasses.replace(at_slip(0.1), torque=Wheels.front(1400.0, 1400.0))

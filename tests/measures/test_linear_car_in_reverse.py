@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 import ev_stack
-from ev_control.electronic_differential.steering_by_drives import CourseStabilityParameters, yaw_moment
+from ev_control.electronic_differential.steering_by_drives import (
+    Against,
+    CourseStabilityParameters,
+    Wish,
+    yaw_moment,
+)
 from ev_control.shared.blended_wheel import YawDifferenceParameters, yaw_error
 from ev_core.vehicle.car import turning_length
 from ev_core.vehicle.description import Vehicle
@@ -75,7 +80,7 @@ def test_laws_want_of_a_steady_car_what_it_does(speed):
     imu = InertialMeasurement(yaw_rate=yaw_rate, longitudinal_acceleration=0.0, lateral_acceleration=u * yaw_rate)
     blended = YawDifferenceParameters(understeer=gradient, deadband=0.0)
     assert abs(yaw_error(blended, car, u, angle, imu)) < CLOSE * abs(yaw_rate)
-    course = CourseStabilityParameters(understeer=gradient, wish="angle", against="both", yaw_gain=1.0)
+    course = CourseStabilityParameters(understeer=gradient, wish=Wish.ANGLE, against=Against.BOTH, yaw_gain=1.0)
     column = SteeringColumnState(0.0, 0.0, 0.0, angle, 0.0)
     assert abs(yaw_moment(course, car, 1.0, column, u, yaw_rate)) < CLOSE * abs(yaw_rate)
 

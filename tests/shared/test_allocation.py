@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from traction import car_of, numbers_of
 
 import ev_stack
-from ev_control.shared.allocation import AllocationParameters, allocated, mechanical_power
+from ev_control.shared.allocation import AllocationParameters, Keep, allocated, mechanical_power
 from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import Driveline
@@ -57,7 +57,7 @@ def given_to(car: Vehicle, keep: str, asked: Wheels, speed: Wheels) -> Wheels:
     """The drive torques [N m] of which as much as there are motors is asked."""
     request = WheelTorqueRequest(asked, NO_WHEELS)
     states = WheelStates(NO_WHEELS, speed, NO_WHEELS)
-    return allocated(numbers_of(AllocationParameters(keep=keep)), car_of(car), states, request).drive
+    return allocated(numbers_of(AllocationParameters(keep=Keep.of(keep))), car_of(car), states, request).drive
 
 
 def of_motors(car: Vehicle, torque: Wheels) -> Wheels:
@@ -65,7 +65,7 @@ def of_motors(car: Vehicle, torque: Wheels) -> Wheels:
 
 
 def as_the_plant_gives(car: Vehicle, torque: Wheels, speed: Wheels) -> Wheels:
-    """What cold motors make of commands [N m]."""
+    """Torques of cold motors for commands [N m]."""
     numbers = car_of(car)
     gear, count = numbers.gear, numbers.motors
     return Wheels(
@@ -125,7 +125,7 @@ def test_a_battery_that_neither_gives_nor_takes_leaves_no_torque_that_has_power(
 @settings(max_examples=100, phases=(Phase.explicit, Phase.generate))
 @given(car=cars, torque=torques, speed=speeds)
 def test_sum_gives_no_wheel_the_other_sign_and_leaves_no_motor_idle(car, torque, speed):
-    """Without a battery limit less of the sum is given only where no motor can give more of its sign."""
+    """Less of the sum is given, without a battery limit, only where no motor can give more of its sign."""
     asked = of_motors(car, torque)
     drive = given_to(car, "sum", asked, speed)
     assert all(one * other >= 0.0 for one, other in zip(drive, asked, strict=True))
@@ -141,7 +141,7 @@ def test_sum_gives_no_wheel_the_other_sign_and_leaves_no_motor_idle(car, torque,
 @settings(max_examples=100, phases=(Phase.explicit, Phase.generate))
 @given(car=cars, torque=torques, speed=speeds)
 def test_difference_stays_wherever_some_sum_leaves_room(car, torque, speed):
-    """Of 101 means between none and the asked one; none may leave room for a difference that is not given.
+    """Means, 101 of them, between none and the asked one; none may leave room for a difference that is not given.
 
     Of axles that work against each other one may have to yield with the other, for the sum of all.
     """
@@ -220,7 +220,7 @@ def test_each_law_gives_what_motors_can_where_it_asked_for_more(name, keep):
     motion = Motion(torque=9000.0, speeds=Wheels(20.0, 30.0, 20.0, 30.0), a_y=3.0).steered(0.1)
     car = on(SHCHUR, WHEEL_NAMES)
     plain = Differential(name, car).step(motion).drive
-    drive = Differential(name, car, allocation=AllocationParameters(keep=keep)).step(motion).drive
+    drive = Differential(name, car, allocation=AllocationParameters(keep=Keep.of(keep))).step(motion).drive
     assert as_the_plant_gives(car, plain, motion.speeds) != pytest.approx(plain, abs=1.0)
     assert as_the_plant_gives(car, drive, motion.speeds) == pytest.approx(drive, abs=TOLERANCE)
 
@@ -230,7 +230,7 @@ def test_a_car_without_motors_of_its_wheels_is_refused(name):
     car = dataclasses.replace(on(SHCHUR, WHEEL_NAMES), driveline=Driveline(coupling="clutch"))
     Differential(name, car)
     with pytest.raises(ParameterError, match=r"needs a motor for each driven wheel for allocation\.keep sum"):
-        Differential(name, car, allocation=AllocationParameters(keep="sum"))
+        Differential(name, car, allocation=AllocationParameters(keep=Keep.SUM))
 
 
 @pytest.mark.parametrize("keep", ["asked", "difference"])

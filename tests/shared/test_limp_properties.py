@@ -1,4 +1,4 @@
-"""What holds for limp modes whatever happens: never more than asked, nothing from a sound car, back after a fault.
+"""Properties of limp modes whatever happens: never more than asked, nothing from a sound car, back after a fault.
 
 `EV_CASES=100000 python -m pytest tests/shared/test_limp_properties.py` is the long form.
 """
@@ -77,7 +77,7 @@ def test_never_more_than_asked_and_never_of_the_other_sign(sequence, keeps):
 @several
 @given(sequence=sequences, car=cars, keeps=st.booleans(), name=st.sampled_from(METHODS))
 def test_a_limp_mode_never_gives_more_than_traction_control_alone(sequence, car, keeps, name):
-    """By the sizes, with any motor: what is cut from a wheel is never given to it, nor to the other one."""
+    """Limits by the sizes, with any motor: what is cut from a wheel is never given to it, nor to the other one."""
     watch = {in_regulator(name, "limp.watch"): True, in_regulator(name, "limp.plausibility.keep_difference"): keeps}
     alone, limp = Control(name, car), Control(name, car, **watch)
     for m in sequence:
@@ -118,7 +118,7 @@ def test_left_and_right_mirror_to_the_bit(sequence, keeps):
 )
 @example([(-189.0, -189.0, 40)] * 20, 3.8, 1.246, car_with(0.6, 0.0294), 0.03, 0.005, 685.0, 8.0, 3956271888)
 def test_a_sound_car_gets_what_was_asked_to_the_bit(parts, speed, bend, vehicle, period, battery, most, noise, seed):
-    """At any share of the battery, with motors between hot and cold, gears, lags, periods, bends, noisy sensors."""
+    """Any share of the battery, with motors between hot and cold, gears, lags, periods, bends, noisy sensors."""
     limp = Limping(Motors(vehicle, period, most, battery, noise=noise, seed=seed))
     for asked, command in told(limp, parts, speed, bend):
         assert command == asked

@@ -79,7 +79,7 @@ def test_a_dead_motor_on_the_dry_side_spins_nothing_on_ice():
 
 
 def test_a_tripped_inverter_whose_rotor_drags_is_found():
-    """On the bench a dead motor shows some mN m of either sign, as real ones do: it was not found in all 0.6 s."""
+    """A dead motor shows some mN m of either sign, as real ones do: it was not found in all 0.6 s."""
     found = {"asr.limp.watch": True}
     run = ev_stack.run("bench_fault", method={"asr": "slip_window"}, set=found, duration=1.15).runs["bench_fault"]
     left, right = (channel(run, f"torque_command.drive.{wheel}") for wheel in ("front_left", "front_right"))
@@ -89,7 +89,7 @@ def test_a_tripped_inverter_whose_rotor_drags_is_found():
 
 @pytest.mark.parametrize(("vehicle", "share"), [("layout_1_8_c", 0.6), ("compact_ev", 0.2), ("audi_a2", 0.2)])
 def test_no_drive_is_taken_from_a_sound_car(vehicle, share):
-    """At any speed, torque, mass, gear and limit of the battery, with noise of up to half the allowed 20 N m."""
+    """Any speed, torque, mass, gear and limit of the battery, with noise of up to half the allowed 20 N m."""
     runs = max(round(share * SEEDS), 1)
     chance = np.random.default_rng(1)
     sums = [f"torque_{of}.drive.{wheel}" for of in ("request", "command") for wheel in WHEEL_NAMES]

@@ -11,8 +11,9 @@ import pytest
 from differentials import GRAVITY
 
 import ev_stack
-from ev_control.shared.torque_split import KNOWN_BY
-from ev_control.torque_vectoring.known_motion import KnownMotionParameters, known_motion, unknown_motion
+from ev_control.estimation.plausible import Sensors
+from ev_control.shared.torque_split import KnownBy
+from ev_control.torque_vectoring.known_motion import CarSeen, KnownMotionParameters, known_motion, unknown_motion
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.car import car_numbers
@@ -56,9 +57,10 @@ def estimated(result: Result, stiffer: float = 1.0, brakes: float = 0.0, first: 
     state = unknown_motion(parameters)
     state.lateral.friction, p.friction.rise = first, p.friction.rise if first == 1.2 else 0.0
     for n in range(len(result.time)):
-        driver, *rest = (signal_at(result.signals, kind, n) for kind in READS)
+        driver, column, wheels, imu, body, tires = (signal_at(result.signals, kind, n) for kind in READS)
         driver = driver._replace(brake_torque=brakes)
-        grip = known_motion(p, car, state, PERIOD, KNOWN_BY.index("estimated"), driver, *rest).grip
+        seen = CarSeen(driver, Sensors(column, wheels, imu), body, tires)
+        grip = known_motion(p, car, state, PERIOD, KnownBy.ESTIMATED, seen).grip
         yield ((grip[0] + grip[1]) + (grip[2] + grip[3])) / (vehicle.mass * GRAVITY), state.lateral.friction
 
 
@@ -93,7 +95,7 @@ def test_in_a_bend_at_the_limit_the_road_shows(road: str, stiffer: float):
 
 
 def test_on_snow_it_is_known_before_the_car_spins_and_dry_asphalt_never_passes_for_it():
-    """In a sine with dwell the car has 0.15 rad of sideslip at 2.9 s on snow; most of it is to come."""
+    """The car has 0.15 rad of sideslip in a sine with dwell at 2.9 s on snow; most of it is to come."""
     snow, dry = (driven("sine_with_dwell", "times_3_5", 1.0, road) for road in ("packed_snow_1", "dry_asphalt"))
     sideslip = np.abs(np.arctan2(snow.signals["twist.lateral"], snow.signals["twist.longitudinal"]))
     lost = int(np.argmax(sideslip > 0.15))

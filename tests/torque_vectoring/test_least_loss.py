@@ -19,6 +19,7 @@ from ev_core.vehicle.car import car_numbers
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import Driveline
 from ev_core.vehicle.losses import NO_MAP, EfficiencyMap
+from ev_msgs_py.contract.signals import InertialMeasurement
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 
 FOUR = on(DISSERTATION, WHEEL_NAMES)
@@ -88,19 +89,20 @@ def test_one_motor_drives_alone_up_to_the_switching_torque():
     assert front_torque(CAR, table, SPEED, high, FAR, FAR) == pytest.approx(high / 2.0, rel=0.01)
 
 
-def known(friction: float, side: float = 0.0) -> KnownMotion:
-    return KnownMotion(20.0, 0.0, 0.0, Wheels(*(friction * load for load in LOADS)), Wheels.all(side))
+def known(friction: float, speed: Wheels, side: float = 0.0) -> KnownMotion:
+    grip = Wheels(*(friction * load for load in LOADS))
+    return KnownMotion(20.0, 0.0, 0.0, grip, Wheels.all(side), 0.0, speed, InertialMeasurement(0.0, 0.0, 0.0))
 
 
 @pytest.mark.parametrize("friction", [0.9, 0.2])
 @pytest.mark.parametrize("table", [NO_MAP, idling(500.0, 0.05)], ids=["model", "map"])
 def test_each_side_keeps_its_torque_within_motors_and_friction(friction, table):
     """Sum and moment are those of least squares, also where tyres do not hold both, as on snow in a bend."""
-    speed, motion = Wheels.all(SPEED), known(friction, 0.1 * friction * LOADS.front_left)
+    motion = known(friction, Wheels.all(SPEED), 0.1 * friction * LOADS.front_left)
     most = 0.95 * friction * LOADS.front_left * CAR.wheel_radius + 1e-9
     for total, moment in ((0.0, 0.0), (900.0, 800.0), (-1500.0, 2000.0), (3000.0, -6000.0)):
-        wanted = least_squares(P, CAR, motion, speed, total, moment)
-        found = least_loss(P, CAR, table, motion, speed, total, moment)
+        wanted = least_squares(P, CAR, motion, total, moment)
+        found = least_loss(P, CAR, table, motion, total, moment)
         assert (found[0] + found[2], found[1] + found[3]) == pytest.approx(
             (wanted[0] + wanted[2], wanted[1] + wanted[3]), abs=1e-9
         )
@@ -112,6 +114,6 @@ def test_each_side_keeps_its_torque_within_motors_and_friction(friction, table):
 
 def test_a_mirrored_demand_is_given_mirrored_torques_to_the_bit():
     speed, table = Wheels(60.0, 62.0, 61.0, 63.0), idling(500.0, 0.05)
-    left = least_loss(P, CAR, table, known(0.5), speed, 700.0, 500.0)
-    right = least_loss(P, CAR, table, known(0.5), Wheels(62.0, 60.0, 63.0, 61.0), 700.0, -500.0)
+    left = least_loss(P, CAR, table, known(0.5, speed), 700.0, 500.0)
+    right = least_loss(P, CAR, table, known(0.5, Wheels(62.0, 60.0, 63.0, 61.0)), 700.0, -500.0)
     assert left == (right[1], right[0], right[3], right[2])

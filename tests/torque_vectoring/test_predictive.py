@@ -48,7 +48,7 @@ DEGENERATE = {
 
 @pytest.mark.parametrize("name", DEGENERATE)
 def test_degenerate_programs_are_solved_as_by_daqp(name: str):
-    """To rounding, from within, from either bound and from beyond it: no unknown is left where it began."""
+    """Equal to rounding, from within, from either bound and from beyond it: no unknown is left where it began."""
     hessian, slope, low, high = DEGENERATE[name]
     wanted = by_daqp(hessian, slope, low, high)
     for start in (0.0 * ONES, low, high, low - 1.0, np.where(TILTED > 0.0, low, high)):
@@ -73,7 +73,10 @@ def gains() -> Gains:
 
 def moment(lateral: float, yaw: float, ahead: float, most: float, speed: float = 20.0) -> float:
     model = single_track(TYRES, CAR, speed)
-    return predictive.predictive_moment(P, CAR, gains(), model, PERIOD, speed, TYRES.slowest, lateral, yaw, ahead, most)
+    motion = predictive.motion_over(P, CAR, model, PERIOD)
+    aside = P.sideslip_error * max(abs(speed), TYRES.slowest)
+    errors, bounds = predictive.Errors(speed, lateral, yaw), predictive.Bounds(ahead, most)
+    return predictive.predictive_moment(P, gains(), motion, aside, errors, bounds)
 
 
 @pytest.mark.parametrize("speed", [5.0, 20.0, -10.0])

@@ -9,9 +9,8 @@ import pytest
 from differentials import GRAVITY, ZHILEYKIN
 
 from ev_control.torque_vectoring.reference import (
-    NEUTRAL,
-    SIDESLIP_LIMIT,
-    UNDERSTEER,
+    Bend,
+    Reference,
     ReferenceParameters,
     ReferenceState,
     designed_acceleration,
@@ -30,30 +29,30 @@ P = ReferenceParameters(lag=0.001)
 GRIP = 0.8 * GRAVITY
 
 
-def settled(kind: int, speed: float, angle: float, grip: float = GRIP, across: float = 0.0, slides: float = 0.0):
-    """What is wanted after 1 s, a thousand times the lag."""
+def settled(kind: Reference, speed: float, angle: float, grip: float = GRIP, across: float = 0.0, slides: float = 0.0):
+    """Wanted motion after 1 s, a thousand times the lag."""
     state = ReferenceState()
     for _ in range(100):
-        wanted = wanted_motion(P, CAR, state, 0.01, kind, speed, angle, grip, across, slides)
+        wanted = wanted_motion(P, CAR, state, 0.01, kind, Bend(speed, angle, grip, across, slides))
     return wanted
 
 
 @pytest.mark.parametrize("speed", [3.0, 20.0, -20.0])
 def test_neutral_turns_by_geometry(speed):
     """The rate u delta/L: wheels to the left turn the car to the left ahead and to the right in reverse."""
-    assert settled(NEUTRAL, speed, 0.01).yaw_rate == pytest.approx(speed * 0.01 / 2.7, rel=1e-9)
+    assert settled(Reference.NEUTRAL, speed, 0.01).yaw_rate == pytest.approx(speed * 0.01 / 2.7, rel=1e-9)
 
 
-@pytest.mark.parametrize("kind", [NEUTRAL, UNDERSTEER])
+@pytest.mark.parametrize("kind", [Reference.NEUTRAL, Reference.UNDERSTEER])
 @pytest.mark.parametrize("speed", [20.0, -20.0])
 def test_the_friction_bounds_the_yaw_rate(kind, speed):
-    """To 0.9 mu g/u, which the designed characteristic approaches."""
+    """It goes to 0.9 mu g/u, which the designed characteristic approaches."""
     assert settled(kind, speed, -1.4).yaw_rate == pytest.approx(-0.9 * GRIP / speed, rel=1e-6)
 
 
 def test_understeer_is_that_of_its_gradient_in_the_linear_part():
     """The rate u delta/(L + K u^2), and the angle that belongs to it is the driver's."""
-    wanted = settled(UNDERSTEER, 20.0, 0.02)
+    wanted = settled(Reference.UNDERSTEER, 20.0, 0.02)
     assert wanted.yaw_rate == pytest.approx(20.0 * 0.02 / (2.7 + 0.002 * 400.0), rel=1e-9)
     assert wanted.angle == pytest.approx(0.02, rel=1e-9)
     assert wanted.rate == pytest.approx(0.0, abs=1e-9)
@@ -73,9 +72,9 @@ def test_the_angle_of_the_designed_acceleration_is_the_drivers(speed, angle):
 
 def test_a_rear_axle_that_slides_is_given_the_yaw_rate_of_the_path():
     """None of it at 0.04 rad, half at 0.07 rad, all at 0.1 rad, either way: a_y/u = 0.15 rad/s."""
-    free = settled(UNDERSTEER, 20.0, 0.1).yaw_rate
+    free = settled(Reference.UNDERSTEER, 20.0, 0.1).yaw_rate
     for slides, share in ((0.03, 0.0), (-0.07, 0.5), (0.2, 1.0)):
-        found = settled(SIDESLIP_LIMIT, 20.0, 0.1, across=3.0, slides=slides).yaw_rate
+        found = settled(Reference.SIDESLIP_LIMIT, 20.0, 0.1, across=3.0, slides=slides).yaw_rate
         assert found == pytest.approx(free + share * (0.15 - free), rel=1e-9)
 
 

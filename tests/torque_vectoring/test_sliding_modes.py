@@ -45,7 +45,7 @@ def test_a_disturbance_beyond_the_rate_is_not_held():
 
 
 def test_within_the_layer_a_steady_disturbance_leaves_what_the_layer_says():
-    """At s = s_M the rate V_M (s - s_M/2)/layer is F: s = 2 F layer/V_M, 0.05 rad/s."""
+    """The rate at s = s_M, V_M (s - s_M/2)/layer is F: s = 2 F layer/V_M, 0.05 rad/s."""
     p = SuboptimalParameters(rate=12.0, layer=0.05)
     state, integral, s, rate, period = SuboptimalState(), MomentIntegral(), 0.1, 0.0, 1e-3
     for _ in range(4000):

@@ -13,7 +13,7 @@ ARM = Wheels(-2.5, 2.5, -2.3, 2.3)
 
 
 def demand(total: float, moment: float, grip, least, most, weight: float = 1e4, moment_weight: float = 1.0) -> Demand:
-    """As `least_squares` makes it."""
+    """Demand as `least_squares` makes it."""
     whole = (grip[0] + grip[1]) + (grip[2] + grip[3])
     slack = whole * whole / weight
     lever = 2.4 * 2.4 * slack / moment_weight
@@ -21,7 +21,7 @@ def demand(total: float, moment: float, grip, least, most, weight: float = 1e4, 
 
 
 def optimum(d: Demand) -> np.ndarray:
-    """By daqp, in shares of the grip, which leaves the weights alone to make the problem stiff."""
+    """Solution by daqp, in shares of the grip, which leaves the weights alone to make the problem stiff."""
     grip, arm = np.array(d.grip), np.array(d.arm) * np.array(d.grip)
     hessian = np.eye(4) + np.outer(grip, grip) / d.total_slack + np.outer(arm, arm) / d.moment_slack
     slope = -(d.total / d.total_slack * grip + d.moment / d.moment_slack * arm)
@@ -70,7 +70,7 @@ def test_degenerate_demands_get_the_torques_of_daqp(total, moment, grip, most, m
 
 
 def test_without_bounds_both_demands_are_met_with_the_least_use_of_grip():
-    """To 1/weight of all grip. On equal wheels a drive torque is shared equally, a moment by the arms."""
+    """Both are met to 1/weight of all grip. On equal wheels a drive torque is shared equally, a moment by the arms."""
     d = demand(800.0, 1000.0, [2000.0] * 4, [-1e4] * 4, [1e4] * 4, weight=1e8)
     u = bounded_least_squares(d)
     assert sum(u) == pytest.approx(800.0, abs=1e-3)

@@ -1,1 +1,1 @@
-"""The control laws: electronic differential, power steering, torque vectoring, anti-slip regulation."""
+"""Control laws: electronic differentials, power steering, torque vectoring, traction control."""

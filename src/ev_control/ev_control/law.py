@@ -1,10 +1,12 @@
-"""What laws of one kind share, by one import beside that of `ev_core.law`: `from ev_control.law import split, ...`.
+"""Everything that laws of one kind share: `from ev_control.law import split, ...`.
 
-- traction controls: `traction_control` makes a method of the law of one wheel; its record is a `LimitedWheel` with
-  more, what it is given a `WheelMotion`; `ReferenceSpeedParameters` and `LimpModeParameters` stand among its parameters
-- those that regulate a slip: `SlipRegulatorParameters`, `RegulatedWheel`, `forget_regulation`, `stays_out`, `weighed`,
-  `until_served`; by thresholds: `SlipThresholdParameters`
-- those that set the speed of a drive: `SpeedSetPointParameters`, `SpeedSetPointWheel`, `forget_set_point`, `moved`
+- traction controls: `traction_control` makes a method of the law of one wheel; its record is a
+  `LimitedWheel` with more, what it is given a `WheelMotion`; `ReferenceSpeedParameters` and
+  `LimpModeParameters` stand among its parameters
+- those that regulate a slip: `SlipRegulatorParameters`, `RegulatedWheel`, `forget_regulation`,
+  `stays_out`, `weighed`, `until_served`; by thresholds: `SlipThresholdParameters`
+- those that set the speed of a drive: `SpeedSetPointParameters`, `SpeedSetPointWheel`,
+  `forget_set_point`, `moved`, `serves_request`
 - what is known of a wheel: `slip_of`, `observed_slip`, `slowest_wheel`, `share_at`, `road_torque`
 - differentials: `differential` makes a method of a law; `split` gives the wheel torques by the
   driver's and a difference, `split_brake` the brake torques, both with `BrakeSplitParameters`;
@@ -39,6 +41,7 @@ from ev_control.shared.wheel_regulation import (
     forget_regulation,
     forget_set_point,
     moved,
+    serves_request,
     stays_out,
     until_served,
     weighed,

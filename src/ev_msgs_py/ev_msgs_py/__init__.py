@@ -1,1 +1,1 @@
-"""The interface of the nodes: signals, topics, roles, frames, wire format, CAN frames and their database."""
+"""Interface of the nodes: signals, topics, roles, frames, wire format, CAN frames."""

@@ -1,4 +1,4 @@
-"""What is refused, in one line, and how a value, a name or a line that comes from outside is shown."""
+"""Refusals in one line, and values, names and lines from outside as they are shown."""
 
 import difflib
 from collections.abc import Iterable
@@ -8,12 +8,19 @@ LONGEST = 200  # characters
 _SHOWN = 12  # names that are listed at most
 LINE = 1000  # of a line about several things, which may each have that length
 
+# What would make two lines of one, such as a line break in the name of a file.
+_BREAKS = {ord(each): repr(each)[1:-1] for each in "\0\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"}
+
 
 def shown(text: Any, longest: int = LONGEST) -> str:
-    """A text on one line of so many characters at most, control characters as text: a terminal obeys none of them."""
+    """Text on one line of so many characters at most, with control characters as text."""
     words = str(text)
-    cut = words if len(words) <= longest else f"{words[: longest // 2]} ... {words[-longest // 4 :]}"
-    return "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in cut)[:longest]
+    cut = (
+        words if len(words) <= longest else f"{words[: longest // 2]} ... {words[-longest // 4 :]}"
+    )
+    return "".join(
+        each if each.isprintable() else each.encode("unicode_escape").decode() for each in cut
+    )[:longest]
 
 
 def quoted(value: Any) -> str:
@@ -22,23 +29,20 @@ def quoted(value: Any) -> str:
 
 
 def first_line(error: Exception) -> str:
-    """What a library says of a file, in the same bounds, without the lines that show the content of the file."""
+    """Message of a library about a file, in the same bounds, without lines of its content."""
     return str(error).partition("\n")[0][:LONGEST]
 
 
 def _repr(value: Any) -> str:
     try:
         return repr(value)
-    except (ValueError, RecursionError):  # a whole number of thousands of digits, or what holds itself
+    except (ValueError, RecursionError):
+        # A whole number of thousands of digits, or what holds itself.
         return f"some {type(value).__name__}"
 
 
-# What would make two lines of one, such as a line break in the name of a file.
-_BREAKS = {ord(each): repr(each)[1:-1] for each in "\0\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"}
-
-
 class ParameterError(ValueError):
-    """A parameter was refused; the message names the parameter, the value and what is allowed, in one line.
+    """Refusal of a parameter; the message names it, the value and what is expected.
 
     `parameter` is its dotted name where there is one.
     """
@@ -52,15 +56,19 @@ class ParameterError(ValueError):
 
 
 def unknown_name(kind: str, name: Any, known: Iterable[str]) -> ParameterError:
-    """The error for a name that does not exist: it asks for the most similar ones, and lists the known if they are few.
+    """Error for a name that does not exist; it proposes similar ones, or lists the few known.
 
-    Similar are also names with this one in them. Of many of which none is similar it lists the first.
+    Similar are also names with this one in them. Of many of which none is similar it lists the
+    first.
     """
     known, text = sorted(known), str(name)
     similar = (
-        difflib.get_close_matches(text, known, n=3) or [each for each in known if len(text) > 2 and text in each][:3]
+        difflib.get_close_matches(text, known, n=3)
+        or [each for each in known if len(text) > 2 and text in each][:3]
     )
     meant = f"did you mean {', '.join(similar)}?" if similar else ""
     more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
     listed = "" if similar and more else f"known: {', '.join(known[:_SHOWN])}{more}"
-    return ParameterError(f"unknown {kind} {quoted(name)}; {' '.join(filter(None, (meant, listed)))}", name)
+    return ParameterError(
+        f"unknown {kind} {quoted(name)}; {' '.join(filter(None, (meant, listed)))}", name
+    )

@@ -1,12 +1,13 @@
 """Frames as messages: serialized templates with the numbers of the frame at fixed places.
 
-Messages are little-endian CDR with zeros for padding. The middleware leaves whatever was in memory between the fields.
-Here equal messages are equal bytes, which the message formats rely on.
+Messages are little-endian CDR with zeros for padding. The middleware leaves whatever was in memory
+between the fields. Here equal messages are equal bytes, which the message formats rely on.
 
-Making a message object, filling it and letting the middleware serialize it costs some fifty microseconds, and as much
-to take one apart; a node does this several times per step. The places never change within a topic, so a few copies of
-bytes do the same, between frame and message by runs of numbers. What another sender wrote in another layout (joints in
-another order, no frame name) is still read, by way of the message object.
+Making a message object, filling it and letting the middleware serialize it costs some fifty
+microseconds, and as much to take one apart; a node does this several times per step. The places
+never change within a topic, so a few copies of bytes do the same, between frame and message by runs
+of numbers. What another sender wrote in another layout (joints in another order, no frame name) is
+still read, by way of the message object.
 """
 
 import math
@@ -26,6 +27,12 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import quoted
 
 _ARRAYS = ("position", "velocity", "effort")
+ENCAPSULATION = b"\x00\x01\x00\x00"  # plain CDR, little-endian
+_KINDS = "boolean octet uint8 int8 uint16 int16 uint32 int32 uint64 int64 float double"
+_CODES = dict(zip(_KINDS.split(), "?BBbHhIiQqfd", strict=True))  # of struct
+_COLLECTION = re.compile(r"sequence<(?P<element>.+)>|(?P<member>.+)\[(?P<size>\d+)\]")
+STAMP_AT = len(ENCAPSULATION)  # every message of the contract begins with its stamp
+_STAMP = struct.Struct("<iI")
 
 
 class MessageError(ValueError):
@@ -42,7 +49,7 @@ def _in_message(shape: Shape) -> list[str]:
 
 
 def joint_names(topic: Topic) -> list[str]:
-    """The joints of a JointState in the order in which the fields name them; none of another message."""
+    """Joints of a JointState in the order of the fields; none of another message."""
     if topic.message_type != JOINT_STATE:
         return []
     return list(dict.fromkeys(place.partition(".")[0] for place in _in_message(topic.shape)))
@@ -58,7 +65,7 @@ def paths(topic: Topic) -> list[str]:
 
 
 def empty_message(topic: Topic, message_class: type) -> Any:
-    """A message with all that is constant in it; an array of joints that no field uses stays empty."""
+    """Message with all that is constant in it; an array of joints that no field uses is empty."""
     message = message_class()
     getattr(message, "header", message).frame_id = topic.frame
     names = joint_names(topic)
@@ -77,7 +84,7 @@ def _used_arrays(topic: Topic) -> list[str]:
 
 
 def numbers_in(topic: Topic, message: Any) -> list[float]:
-    """The numbers of a message object, joints in any order; MessageError if names or numbers are missing.
+    """Numbers of a message object, joints in any order; MessageError if one is missing.
 
     A message may leave out in which frame its numbers are, but not name another one.
     """
@@ -116,16 +123,11 @@ def message_class(message_type: str) -> type:
     return found
 
 
-ENCAPSULATION = b"\x00\x01\x00\x00"  # plain CDR, little-endian
-_KINDS = "boolean octet uint8 int8 uint16 int16 uint32 int32 uint64 int64 float double"
-_CODES = dict(zip(_KINDS.split(), "?BBbHhIiQqfd", strict=True))  # of struct
-_COLLECTION = re.compile(r"sequence<(?P<element>.+)>|(?P<member>.+)\[(?P<size>\d+)\]")
-
-
 class Serialized:
     """The bytes of a ROS message with its encapsulation header, and the places of its numbers.
 
-    `places` has, by path (twist.linear.x, position[3]), the offset in the bytes and the struct code of a number.
+    `places` has, by path (twist.linear.x, position[3]), the offset in the bytes and the struct code
+    of a number.
     """
 
     def __init__(self, message: Any) -> None:
@@ -164,12 +166,8 @@ class Serialized:
         self._body += number
 
 
-STAMP_AT = len(ENCAPSULATION)  # every message of the contract begins with its stamp
-_STAMP = struct.Struct("<iI")
-
-
 class Run(NamedTuple):
-    """Numbers in a row in frame and message: first place in the frame, offset in the message, and how many."""
+    """Run of numbers: first place in the frame, offset in the message, and how many."""
 
     place: int
     offset: int
@@ -177,7 +175,7 @@ class Run(NamedTuple):
 
 
 class MessageFormat:
-    """`template` is a whole message, `runs` are the places of its numbers, and `code` is their struct code, d or f.
+    """Format of a message: a whole `template`, the places of its numbers, and their struct code.
 
     `mask` has all bits set where the template is constant.
     """
@@ -194,10 +192,16 @@ class MessageFormat:
         self.runs = _runs(self._where.start, offsets, struct.calcsize(self.code))
         pieces = _pieces(len(self.template), offsets, self.code)
         order = [offset for offset, _ in pieces]
-        variable = [order.index(STAMP_AT), order.index(STAMP_AT + 4), *(order.index(offset) for offset in offsets)]
+        variable = [
+            order.index(STAMP_AT),
+            order.index(STAMP_AT + 4),
+            *(order.index(offset) for offset in offsets),
+        ]
         constant = [piece for piece in range(len(pieces)) if piece not in variable]
         self._layout = struct.Struct("<" + "".join(code for _, code in pieces))
-        self.mask = b"".join((b"\xff" if code[-1] == "s" else b"\0") * struct.calcsize(code) for _, code in pieces)
+        self.mask = b"".join(
+            (b"\xff" if code[-1] == "s" else b"\0") * struct.calcsize(code) for _, code in pieces
+        )
         self._variable, self._constant = itemgetter(*variable), itemgetter(*constant)
         self._constants = self._constant(self._layout.unpack(self.template))
         # The constants and then stamp and numbers, brought into the order of the message.
@@ -210,7 +214,7 @@ class MessageFormat:
         return self._layout.pack(*self._in_message(given))
 
     def read(self, message: bytes) -> tuple[int, Sequence[float]]:
-        """Stamp and numbers, by channel, of a message of any sender; MessageError if it is refused."""
+        """Stamp and numbers, by channel, of a message; MessageError if it is refused."""
         try:
             pieces = self._layout.unpack(message)
         except struct.error:
@@ -223,13 +227,17 @@ class MessageFormat:
         return seconds * stamps.NANOSECONDS + nanoseconds, self._without_sign(numbers)
 
     def _read_other_layout(self, message: bytes) -> tuple[int, Sequence[float]]:
-        from rclpy.serialization import deserialize_message  # a program that only writes needs no ROS
+        from rclpy.serialization import (
+            deserialize_message,
+        )  # a program that only writes needs no ROS
 
         try:
             stamp = stamp_of(message)
             read: Any = deserialize_message(message, self.message_class)
         except Exception as error:
-            raise MessageError(f"{len(message)} bytes are no {self.topic.message_type}: {error}") from None
+            raise MessageError(
+                f"{len(message)} bytes are no {self.topic.message_type}: {error}"
+            ) from None
         numbers = numbers_in(self.topic, read)
         self._refuse_not_finite(numbers)
         return stamp, self._without_sign(numbers)
@@ -250,8 +258,12 @@ class MessageFormat:
 
 
 def _pieces(size: int, offsets: list[int], code: str) -> list[tuple[int, str]]:
-    """Offsets and struct codes of the pieces of a message: stamp, numbers, and the constant bytes between them."""
-    variable = [(STAMP_AT, "i"), (STAMP_AT + 4, "I"), *((offset, code) for offset in sorted(offsets))]
+    """Offsets and struct codes of the pieces of a message: stamp, numbers, constant bytes."""
+    variable = [
+        (STAMP_AT, "i"),
+        (STAMP_AT + 4, "I"),
+        *((offset, code) for offset in sorted(offsets)),
+    ]
     pieces, end = [], 0
     for offset, kind in variable:
         if offset > end:
@@ -279,9 +291,11 @@ def format_of(signal: type) -> MessageFormat:
 
 
 def stamp_of(message: bytes) -> int:
-    """The stamp in a serialized message of the contract, in nanoseconds; MessageError if it is too short for one."""
+    """Stamp in a serialized message [ns]; MessageError if it is too short for one."""
     if len(message) < STAMP_AT + _STAMP.size or message[:2] != ENCAPSULATION[:2]:
-        raise MessageError(f"{len(message)} bytes, beginning with {message[:STAMP_AT].hex()}, carry no stamp")
+        raise MessageError(
+            f"{len(message)} bytes, beginning with {message[:STAMP_AT].hex()}, carry no stamp"
+        )
     seconds: int
     nanoseconds: int
     seconds, nanoseconds = _STAMP.unpack_from(message, STAMP_AT)

@@ -1,17 +1,29 @@
-"""The parameters and the state of the gateway, and whether a circuit measures what can be.
+"""Parameters and state of the gateway, and a check of what its circuits measure.
 
 The transducer is compared with the inverter, and with the wheel that the circuit stands for.
 """
 
 from dataclasses import dataclass
+from enum import auto
 from math import ceil
+from typing import NamedTuple
 
 from ev_bench.bus.checking import CheckState
 from ev_bench.bus.parameters import BusParameters
-from ev_core.law import WHEEL_NAMES, ParameterError, compilable, group, parameter, setting
+from ev_core.law import WHEEL_NAMES, Choice, ParameterError, compilable, group, parameter, setting
 from ev_core.parameters.record import entry, part, series
 from ev_msgs_py.can.frames import FAULTS, LONG_AGO, RPM, SetPointLayout, names_of
 from ev_msgs_py.can.payload import rounded_down
+
+# Faults of the gateway itself, in the bits above those of FAULTS.
+OWN_FAULTS = ("StaleFeedback", "StaleCommand", "Implausible")
+
+
+class Stops(Choice):
+    """Drives that a fault of one of them disables."""
+
+    DRIVE = auto()
+    BOTH = auto()
 
 
 @dataclass(slots=True)
@@ -22,14 +34,18 @@ class Feedback:
     electrical: CheckState = part(CheckState)
     temperatures: CheckState = part(CheckState)
     faults: CheckState = part(CheckState)
-    heard: float = entry(unit="1", about="whether a frame with its state has come in this cycle, valid or not")
+    received: bool = entry(
+        False, unit="1", about="whether a frame with its state has come in this cycle, valid or not"
+    )
     age: float = entry(LONG_AGO, unit="s", about="of the newest valid frame with its state")
     refused: float = entry(unit="1", about="frames with a wrong CRC or counter")
     lost: float = entry(unit="1", about="lost frames, by their counters")
     state: float = entry(unit="1", about="place in STATE_NAMES")
-    remote: float = entry(1.0, unit="1", about="whether it reports that it follows its controlword")
+    remote: bool = entry(True, unit="1", about="whether it reports that it follows its controlword")
     torque: float = entry(unit="N m", about="at the shaft")
-    torque_sum: float = entry(unit="N m", about="of all torques since the last look at what is plausible")
+    torque_sum: float = entry(
+        unit="N m", about="of all torques since the last look at what is plausible"
+    )
     torque_count: float = entry(unit="1", about="how many there were")
     speed: float = entry(unit="rad/s", about="of the shaft")
     dc_voltage: float = entry(unit="V")
@@ -47,15 +63,21 @@ class Device:
     """One inverter as the gateway leads it."""
 
     feedback: Feedback = part(Feedback)
-    enable: float = entry(unit="1", about="whether it shall be enabled")
-    tripped: float = entry(unit="1", about="latched: it was in a fault while it was to be enabled")
-    stale: float = entry(unit="1", about="latched: its feedback stayed away")
-    command_stale: float = entry(unit="1", about="latched: the command for it stayed away")
-    implausible: float = entry(unit="1", about="latched: its circuit measures what cannot be, see `plausibility`")
+    enable: bool = entry(False, unit="1", about="whether it shall be enabled")
+    tripped: bool = entry(
+        False, unit="1", about="latched: it was in a fault while it was to be enabled"
+    )
+    stale: bool = entry(False, unit="1", about="latched: its feedback stayed away")
+    command_stale: bool = entry(False, unit="1", about="latched: the command for it stayed away")
+    implausible: bool = entry(
+        False, unit="1", about="latched: its circuit measures what cannot be, see `plausibility`"
+    )
     doubtful_time: float = entry(unit="s", about="since when what is measured cannot be")
     watched_speed: float = entry(unit="rad/s", about="that the transducer showed at the last look")
     command_age: float = entry(LONG_AGO, unit="s")
-    reset_time: float = entry(-1.0, unit="s", about="since the reset sequence began; -1: there is none")
+    reset_time: float = entry(
+        -1.0, unit="s", about="since the reset sequence began; -1: there is none"
+    )
     mode: float = entry(unit="1", about="as in the set-point frame")
     torque: float = entry(unit="N m", about="set-point, at the shaft")
     speed: float = entry(unit="rad/s", about="set-point of speed mode")
@@ -73,79 +95,115 @@ class Gateway:
     tick: float = entry(unit="1", about="cycles of 1 ms since the start")
     waits: float = entry(
         unit="1",
-        about="for the first moment at which the drives may be enabled by themselves, 1 and the cycles for one alone",
+        about="for the first moment at which the drives may be enabled by themselves, 1 and the "
+        "cycles for one alone",
     )
-    commanded: float = entry(-1.0, unit="ns", about="stamp of the newest torque command, in real time")
-    heartbeat_counters: list[float] = series(2, unit="1", about="of the next heartbeat of each circuit")
-
-
-OWN_FAULTS = ("StaleFeedback", "StaleCommand", "Implausible")  # of the gateway, in the bits above those of FAULTS
+    commanded: float = entry(
+        -1.0, unit="ns", about="stamp of the newest torque command, in real time"
+    )
+    heartbeat_counters: list[float] = series(
+        2, unit="1", about="of the next heartbeat of each circuit"
+    )
 
 
 @compilable
 def latched(s: Device) -> int:
-    """The bits of all faults that are latched, in the inverter and in the gateway."""
+    """Bits of all faults that are latched, in the inverter and in the gateway."""
     own = int(s.stale) + 2 * int(s.command_stale) + 4 * int(s.implausible)
     return int(s.feedback.fault_bits) | own << len(FAULTS)
 
 
 def latched_names(bits: int) -> tuple[str, ...]:
-    """The names of faults in the bits of `latched`."""
-    return (*names_of(bits), *(name for place, name in enumerate(OWN_FAULTS) if bits >> (len(FAULTS) + place) & 1))
+    """Names of the faults in the bits of `latched`."""
+    own = bits >> len(FAULTS)
+    latched_here = tuple(name for place, name in enumerate(OWN_FAULTS) if own >> place & 1)
+    return (*names_of(bits), *latched_here)
 
 
 @dataclass(frozen=True, slots=True)
 class PlausibilityParameters:
-    """How far apart two measurements of the same may be, and how long."""
+    """Distance of two measurements of the same that is allowed, and for how long."""
 
     torque: float = parameter(
-        30.0, unit="N m", low=1.0, high=1000.0, source="assumption: above what swings and is noise",
+        30.0,
+        unit="N m",
+        low=1.0,
+        high=1000.0,
+        source="assumption: above what swings and is noise",
         about="at the shaft, between transducer and inverter",
-    )  # fmt: skip
+    )
     speed: float = parameter(
-        30.0, unit="rad/s", low=1.0, high=1000.0, source="assumption: above what the load machine lags behind",
+        30.0,
+        unit="rad/s",
+        low=1.0,
+        high=1000.0,
+        source="assumption: above what the load machine lags behind",
         about="of the shaft, between transducer and the virtual car's wheel",
-    )  # fmt: skip
-    time: float = setting(0.01, unit="s", low=0.001, high=1.0, about="for longer than this: fault of that drive")
+    )
+    time: float = setting(
+        0.01, unit="s", low=0.001, high=1.0, about="for longer than this: fault of that drive"
+    )
+
+
+class Shaft(NamedTuple):
+    """Measurements of a shaft by the transducer behind it, and what it stands for."""
+
+    rotor: float  # inertia of the rotor in front of the transducer [kg m^2]
+    torque: float  # mean of a period [N m]
+    speed: float  # [rad/s]
+    wheel: float  # speed of the virtual car's wheel, at the shaft [rad/s]
 
 
 @compilable
-def watch(
-    p: PlausibilityParameters, s: Device, rotor: float, torque: float, speed: float, wheel: float, period: float
-) -> None:
-    """Note for how long torque [N m] and speed [rad/s] of the transducer have been far from inverter and wheel.
+def watch(p: PlausibilityParameters, s: Device, shaft: Shaft, period: float) -> None:
+    """Count for how long the transducer has been far from the inverter and from the wheel.
 
-    The transducer sits behind the rotor [kg m^2], and shows the mean of a period, as the feedback in it is averaged.
-    It is latched while the drive is to be enabled, and before that keeps it from being enabled.
+    The transducer shows the mean of a period, as the feedback in it is averaged. A doubt that lasts
+    is latched while the drive is to be enabled, and before that keeps it from being enabled.
     """
     f = s.feedback
     reported = f.torque_sum / f.torque_count if f.torque_count > 0.0 else f.torque
     # Until it is enabled, a shaft that the load machine still brings to its speed is in doubt, too.
-    inside = torque + (rotor * (speed - s.watched_speed) / period if s.enable != 0.0 else 0.0)
-    f.torque_sum, f.torque_count, s.watched_speed = 0.0, 0.0, speed
-    apart = abs(inside - reported) > p.torque or abs(speed - wheel) > p.speed
+    change = shaft.speed - s.watched_speed
+    inside = shaft.torque + (shaft.rotor * change / period if s.enable else 0.0)
+    f.torque_sum = 0.0
+    f.torque_count = 0.0
+    s.watched_speed = shaft.speed
+    apart = abs(inside - reported) > p.torque or abs(shaft.speed - shaft.wheel) > p.speed
     s.doubtful_time = s.doubtful_time + period if apart else 0.0
-    if s.enable != 0.0 and s.doubtful_time >= p.time - 0.5 * period:
-        s.implausible = 1.0
-
-
-STOPS = ("drive", "both")
-ONE, BOTH = range(len(STOPS))
+    if s.enable and s.doubtful_time >= p.time - 0.5 * period:
+        s.implausible = True
 
 
 @dataclass(frozen=True, slots=True)
 class GatewayParameters:
-    """Limits, time-outs and which wheel is whose."""
+    """Limits, time-outs, and the wheels of the circuits."""
 
     gear_ratio: float = parameter(
-        7.4, unit="1", low=0.01, high=100.0, about="motor over wheel speed", source="dissertation, table 2.1"
+        7.4,
+        unit="1",
+        low=0.01,
+        high=100.0,
+        about="motor over wheel speed",
+        source="dissertation, table 2.1",
     )
-    wheel_11: str = setting("front_right", choices=WHEEL_NAMES, about="the wheel of the right circuit")
-    wheel_12: str = setting("front_left", choices=WHEEL_NAMES, about="the wheel of the left circuit")
+    wheel_11: str = setting(
+        "front_right", choices=WHEEL_NAMES, about="the wheel of the right circuit"
+    )
+    wheel_12: str = setting(
+        "front_left", choices=WHEEL_NAMES, about="the wheel of the left circuit"
+    )
     torque_limit: float = parameter(
-        360.0, unit="N m", low=0.0, high=1000.0, about="at the shaft of a drive", source="dissertation, table 1.1"
+        360.0,
+        unit="N m",
+        low=0.0,
+        high=1000.0,
+        about="at the shaft of a drive",
+        source="dissertation, table 1.1",
     )
-    load_torque_limit: float = setting(400.0, unit="N m", low=0.0, high=1000.0, about="at the shaft of a load machine")
+    load_torque_limit: float = setting(
+        400.0, unit="N m", low=0.0, high=1000.0, about="at the shaft of a load machine"
+    )
     speed_limit: float = parameter(
         7500.0 * RPM,
         unit="rad/s",
@@ -155,61 +213,86 @@ class GatewayParameters:
         source="dissertation, table 1.1",
     )
     feedback_timeout: float = setting(
-        0.01, unit="s", low=0.001, high=1.0, about="without valid feedback for longer than this: fault of that drive"
+        0.01,
+        unit="s",
+        low=0.001,
+        high=1.0,
+        about="without valid feedback for longer than this: fault of that drive",
     )
     command_timeout: float = setting(
-        0.1, unit="s", low=0.001, high=60.0, about="without a command for longer than this: fault of its drives"
+        0.1,
+        unit="s",
+        low=0.001,
+        high=60.0,
+        about="without a command for longer than this: fault of its drives",
     )
-    reset_timeout: float = setting(0.2, unit="s", low=0.01, high=10.0, about="longest reset sequence")
-    fault_stops: str = setting("drive", choices=STOPS, about="whether a fault of one drive also disables the other")
+    reset_timeout: float = setting(
+        0.2, unit="s", low=0.01, high=10.0, about="longest reset sequence"
+    )
+    fault_stops: Stops = setting(
+        Stops.DRIVE, about="whether a fault of one drive also disables the other"
+    )
     auto_enable: bool = setting(
-        False, about="enable the drives once by itself, as soon as feedback and commands are there", read_only=True
+        False,
+        about="enable the drives once by itself, as soon as feedback and commands are there",
+        read_only=True,
     )
     bus: BusParameters = group(BusParameters)
 
     def __post_init__(self) -> None:
         if self.wheel_11 == self.wheel_12:
             raise ParameterError(
-                f"wheel_12: {self.wheel_12!r} is refused, it is the wheel of the other circuit already"
+                f"wheel_12: {self.wheel_12!r} is refused, it is the wheel of the other circuit "
+                f"already"
             )
 
 
 @compilable
 def most_torque(layout: SetPointLayout, limit: float) -> float:
-    """The largest torque within a limit [N m] that a set-point can both ask for and limit."""
+    """Largest torque within a limit [N m] that a set-point can both ask for and limit."""
     return rounded_down(layout.torque, rounded_down(layout.torque_limit, limit))
 
 
 def check_limits(layout: SetPointLayout, p: GatewayParameters) -> None:
-    """Refuse limits that are above zero and zero in the frames: the drive would be enabled and give nothing."""
+    """Refuse limits above zero that are zero in the frames: an enabled drive would give nothing."""
     of_torque = layout.torque_limit.scale
     of_torque *= max(ceil(layout.torque.scale / of_torque), 1)
-    for name, value, unit, most, least in (
-        ("torque_limit", p.torque_limit, "N m", most_torque(layout, p.torque_limit), of_torque),
-        ("load_torque_limit", p.load_torque_limit, "N m", most_torque(layout, p.load_torque_limit), of_torque),
-        (
-            "speed_limit",
-            p.speed_limit,
-            "rad/s",
-            rounded_down(layout.speed, p.speed_limit / RPM),
-            layout.speed.scale * RPM,
-        ),
-    ):
-        if value > 0.0 and most <= 0.0:
-            raise ParameterError(
-                f"{name}: {value!r} is refused, expected 0 or at least {least:.4g} {unit}, the step of the frames", name
-            )
+    for name in ("torque_limit", "load_torque_limit"):
+        limit = getattr(p, name)
+        _refuse_zero(name, limit, most_torque(layout, limit), f"{of_torque:.4g} N m")
+    most_speed = rounded_down(layout.speed, p.speed_limit / RPM)
+    of_speed = layout.speed.scale * RPM
+    _refuse_zero("speed_limit", p.speed_limit, most_speed, f"{of_speed:.4g} rad/s")
+
+
+def _refuse_zero(name: str, limit: float, most: float, least: str) -> None:
+    """ParameterError for a limit above zero of which the frames leave nothing."""
+    if limit > 0.0 and most <= 0.0:
+        wanted = f"0 or at least {least}, the step of the frames"
+        raise ParameterError(f"{name}: {limit!r} is refused, expected {wanted}", name)
 
 
 @dataclass(frozen=True, slots=True)
 class LockstepGatewayParameters(GatewayParameters):
-    """The same, and what somebody does at its buttons."""
+    """Parameters of the gateway, and instants at which its buttons are pressed."""
 
     auto_enable: bool = setting(
-        True, about="enable the drives once by itself, as soon as feedback and commands are there", read_only=True
+        True,
+        about="enable the drives once by itself, as soon as feedback and commands are there",
+        read_only=True,
     )
     plausibility: PlausibilityParameters = group(PlausibilityParameters)
-    enable_at: float = setting(-1.0, unit="s", low=-1.0, high=1e5, about="somebody enables both drives; -1: nobody")
+    enable_at: float = setting(
+        -1.0,
+        unit="s",
+        low=-1.0,
+        high=1e5,
+        about="instant at which both drives are enabled by hand; -1: never",
+    )
     reset_at: float = setting(
-        -1.0, unit="s", low=-1.0, high=1e5, about="somebody begins a reset, with enabling after it; -1: nobody"
+        -1.0,
+        unit="s",
+        low=-1.0,
+        high=1e5,
+        about="instant of a reset by hand, with enabling after it; -1: never",
     )

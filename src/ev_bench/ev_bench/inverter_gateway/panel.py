@@ -1,6 +1,7 @@
-"""The ROS side of a gateway node: services, commands of the graph, feedback of the inverters and their diagnosis.
+"""ROS side of a gateway node: services, commands of the graph, feedback and its diagnosis.
 
-Commands are wheel torques for the drives, torques or speeds for the load machines; feedback goes out as stock messages.
+Commands are wheel torques for the drives, torques or speeds for the load machines; feedback goes
+out as stock messages.
 """
 
 from collections.abc import Callable, Mapping
@@ -27,7 +28,23 @@ from ev_msgs_py.wire import MessageError, format_of
 from ev_nodes.stepping.reports import Reports
 from ev_nodes.stepping.signal_io import Reader, SignalReader, Speaker
 
-GOOD, WARNED, FAULTY, SILENT = range(4)  # as the levels of diagnostic_msgs: OK, WARN, ERROR, STALE
+LOAD_COMMAND = "load_command"
+NAMES = {
+    "Drive11": "right_drive",
+    "Drive12": "left_drive",
+    "Load11": "right_load",
+    "Load12": "left_load",
+}
+GOOD, WARNED, FAULTY, SILENT = range(4)  # places in _LEVELS
+_LEVELS = (
+    DiagnosticStatus.OK,
+    DiagnosticStatus.WARN,
+    DiagnosticStatus.ERROR,
+    DiagnosticStatus.STALE,
+)
+_QUEUE = 10
+_MOTION_CYCLE = 10.0  # ms
+_REST_CYCLE = 100.0  # ms
 
 
 class Diagnosis(NamedTuple):
@@ -42,20 +59,24 @@ def diagnosis(s: Device, feedback_timeout: float) -> Diagnosis:
     """The diagnosis of a device; a latched fault comes before everything else."""
     feedback = s.feedback
     state, faults = int(feedback.state), latched_names(latched(s))
-    warned = [name for place, name in enumerate(WARNINGS) if int(feedback.warning_bits) >> place & 1]
+    warned = [
+        name for place, name in enumerate(WARNINGS) if int(feedback.warning_bits) >> place & 1
+    ]
     details = {
         "state": STATE_NAMES[state],
         "faults": ", ".join(faults),
         "warnings": ", ".join(warned),
         "error_code": f"{int(feedback.error_code):04X}h",
-        "feedback_age_s": f"{feedback.age:.4f}" if feedback.age < 1e6 else "never heard",
+        "feedback_age_s": f"{feedback.age:.4f}" if feedback.age < 1e6 else "never received",
         "frames_refused": f"{feedback.refused:.0f}",
         "frames_lost": f"{feedback.lost:.0f}",
         "dc_voltage_V": f"{feedback.dc_voltage:.3f}",
         "winding_temperature_degC": f"{feedback.winding_temperature:.1f}",
     }
     if faults or is_faulty(s) or state in (FAULT, FAULT_REACTION_ACTIVE):
-        return Diagnosis(FAULTY, f"{STATE_NAMES[state]}: {', '.join(faults) or 'fault not yet named'}", details)
+        return Diagnosis(
+            FAULTY, f"{STATE_NAMES[state]}: {', '.join(faults) or 'fault not yet named'}", details
+        )
     if feedback.age > feedback_timeout:
         return Diagnosis(SILENT, "no valid feedback", details)
     if warned:
@@ -63,28 +84,25 @@ def diagnosis(s: Device, feedback_timeout: float) -> Diagnosis:
     return Diagnosis(GOOD, STATE_NAMES[state], details)
 
 
-NAMES = {"Drive11": "right_drive", "Drive12": "left_drive", "Load11": "right_load", "Load12": "left_load"}
-_LEVELS = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE)
-_QUEUE = 10
-
-
 class FeedbackPublisher:
-    """Publishes all four devices: motion often, the rest now and then, a diagnosis also when it changes."""
+    """Publisher of all four devices: motion often, the rest at times, a diagnosis on changes."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
         self._motion = node.create_publisher(JointState, "drive_states", _QUEUE)
-        self._dc_links = {n: node.create_publisher(BatteryState, f"drives/{NAMES[n]}/dc_link", _QUEUE) for n in DEVICES}
-        self._heat: dict[tuple[str, str], Any] = {
-            (name, what): node.create_publisher(Temperature, f"drives/{NAMES[name]}/{what}_temperature", _QUEUE)
-            for name in DEVICES
-            for what in ("winding", "inverter")
-        }
+        self._dc_links: dict[str, Any] = {}
+        self._heat: dict[tuple[str, str], Any] = {}
+        for name in DEVICES:
+            topic = f"drives/{NAMES[name]}"
+            self._dc_links[name] = node.create_publisher(BatteryState, f"{topic}/dc_link", _QUEUE)
+            for what in ("winding", "inverter"):
+                heat = node.create_publisher(Temperature, f"{topic}/{what}_temperature", _QUEUE)
+                self._heat[name, what] = heat
         self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", _QUEUE)
         self._reported: list[tuple[int, str]] = []
 
     def publish_motion(self, devices: Mapping[str, Device]) -> None:
-        """Torque and speed at the shafts of all devices."""
+        """Publish torque and speed at the shafts of all devices."""
         message = JointState(name=[NAMES[name] for name in devices])
         message.header.stamp = self._now()
         message.velocity = [device.feedback.speed for device in devices.values()]
@@ -92,10 +110,12 @@ class FeedbackPublisher:
         self._motion.publish(message)
 
     def publish_rest(self, devices: Mapping[str, Device]) -> None:
-        """DC links and temperatures."""
+        """Publish DC links and temperatures."""
         for name, device in devices.items():
             feedback = device.feedback
-            link = BatteryState(voltage=feedback.dc_voltage, current=-feedback.dc_current)  # positive while it charges
+            link = BatteryState(
+                voltage=feedback.dc_voltage, current=-feedback.dc_current
+            )  # positive while it charges
             link.header.stamp = self._now()
             link.header.frame_id, link.present = NAMES[name], feedback.age < 1.0
             self._dc_links[name].publish(link)
@@ -104,8 +124,10 @@ class FeedbackPublisher:
                 heat.header = link.header
                 self._heat[name, what].publish(heat)
 
-    def diagnose(self, devices: Mapping[str, Device], feedback_timeout: float, anyway: bool) -> None:
-        """Say how every device is, if it has changed or `anyway`."""
+    def diagnose(
+        self, devices: Mapping[str, Device], feedback_timeout: float, anyway: bool
+    ) -> None:
+        """Publish the diagnosis of all devices, if it has changed or `anyway`."""
         found = {name: diagnosis(device, feedback_timeout) for name, device in devices.items()}
         reported = [(each.level, each.message) for each in found.values()]
         if reported == self._reported and not anyway:
@@ -114,7 +136,9 @@ class FeedbackPublisher:
         report = DiagnosticArray()
         report.header.stamp = self._now()
         for name, each in found.items():
-            status = DiagnosticStatus(level=_LEVELS[each.level], message=each.message, hardware_id=name)
+            status = DiagnosticStatus(
+                level=_LEVELS[each.level], message=each.message, hardware_id=name
+            )
             status.name = f"{self._node.get_fully_qualified_name()}: {NAMES[name]}"
             status.values = [KeyValue(key=key, value=value) for key, value in each.details.items()]
             report.status.append(status)
@@ -124,9 +148,6 @@ class FeedbackPublisher:
         return self._node.get_clock().now().to_msg()
 
 
-LOAD_COMMAND = "load_command"
-
-
 class Commands:
     """Hands the newest command of each topic to the station; `reports` is given what is refused."""
 
@@ -134,8 +155,12 @@ class Commands:
         self, node: Node, station: GatewayStation, parameters: Callable[[], GatewayParameters],
         reports: Reports,
     ) -> None:  # fmt: skip
-        self._station, self._parameters, self._reports = station, parameters, reports
-        self._torques = SignalReader(node, TOPICS[WheelTorqueCommand], self._take_torques, reports.note)
+        self._station = station
+        self._parameters = parameters
+        self._reports = reports
+        self._torques = SignalReader(
+            node, TOPICS[WheelTorqueCommand], self._take_torques, reports.note
+        )
         speaker = Speaker(node, LOAD_COMMAND, WRITERS[LoadCommand], reports.note)
         self._loads = Reader(node, JointState, LOAD_COMMAND, self._take_loads, speaker)
 
@@ -157,28 +182,32 @@ class Commands:
             return
         p = self._parameters()
         for name, wheel in (("Drive11", p.wheel_11), ("Drive12", p.wheel_12)):
-            self._station.command(name, TORQUE_MODE, torques[WHEEL_NAMES.index(wheel)] / p.gear_ratio)
+            self._station.command(
+                name, TORQUE_MODE, torques[WHEEL_NAMES.index(wheel)] / p.gear_ratio
+            )
 
     def _take_loads(self, serialized: bytes) -> None:
-        """One array is filled: effort [N m] for torque mode, or velocity [rad/s] for speed mode, at the shaft."""
+        """Take efforts [N m] for torque mode or velocities [rad/s] for speed mode at shafts."""
         try:
             message = deserialize_message(serialized, JointState)
         except RuntimeError:
             message = JointState(name=["unreadable"])
-        mode, values = (SPEED_MODE, message.velocity) if message.velocity else (TORQUE_MODE, message.effort)
+        mode, values = TORQUE_MODE, message.effort
+        if message.velocity:
+            mode, values = SPEED_MODE, message.velocity
         ours = {NAMES[name]: name for name in LOADS}
-        wrong = set(message.name) - set(ours) or len(values) != len(message.name) or not all(map(isfinite, values))
-        if wrong or (message.velocity and message.effort):
+        unknown = set(message.name) - set(ours)
+        is_whole = len(values) == len(message.name) and all(map(isfinite, values))
+        both = message.velocity and message.effort
+        if unknown or not is_whole or both:
             self._reports.note(
                 LOAD_COMMAND,
-                f"{LOAD_COMMAND} ignored: needed are the names {', '.join(ours)} and either efforts or velocities",
+                f"{LOAD_COMMAND} ignored: needed are the names {', '.join(ours)} and either "
+                f"efforts or velocities",
             )
             return
         for name, value in zip(message.name, values, strict=True):
             self._station.command(ours[name], mode, value)
-
-
-_MOTION_CYCLE, _REST_CYCLE = 10.0, 100.0  # ms
 
 
 class Panel:
@@ -205,9 +234,11 @@ class Panel:
         station = self._station()
         if not request.data:
             station.disable()
-            response.success, response.message = True, "all devices are being disabled"
+            response.success = True
+            response.message = "all devices are being disabled"
             return response
-        commanded = [name for name in DEVICES if station.devices[name].command_age <= station.p.command_timeout]
+        timeout = station.p.command_timeout
+        commanded = [n for n in DEVICES if station.devices[n].command_age <= timeout]
         refused = station.enable(tuple(commanded or DRIVES))
         response.success = not refused
         response.message = refused or f"being enabled: {', '.join(commanded)}"
@@ -215,5 +246,6 @@ class Panel:
 
     def _reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._station().reset()
-        response.success, response.message = True, "the reset sequence has begun; everything is disabled"
+        response.success = True
+        response.message = "the reset sequence has begun; everything is disabled"
         return response

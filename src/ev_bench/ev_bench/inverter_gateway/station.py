@@ -1,6 +1,7 @@
-"""The gateway without ROS and clock: frames and commands in, one cycle, frames out.
+"""Gateway without ROS and clock: frames and commands in, one cycle, frames out.
 
-`GatewayOnBus` is the role of the graph in real time: orders at the instants, frames on the bus in cycles of 1 ms.
+`GatewayOnBus` plays the role of the graph in real time: orders come at the instants, frames go over
+the bus in cycles of 1 ms.
 """
 
 from collections import deque
@@ -18,46 +19,69 @@ from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.frame_length import Frame
 from ev_msgs_py.can.frames import DEVICES, DRIVES, SENT, TICK, DeviceFrames, bench_frames, is_due
 from ev_msgs_py.can.payload import NO_FRAME, words
-from ev_msgs_py.contract.optional_signals import MOST_TICKS, BenchShafts, FeedbackFrames, LoadCommand, SetPointFrames
+from ev_msgs_py.contract.optional_signals import (
+    MOST_TICKS,
+    BenchShafts,
+    FeedbackFrames,
+    LoadCommand,
+    SetPointFrames,
+)
 from ev_msgs_py.contract.signals import WheelTorqueCommand
+
+# Places of the devices' set-points in SetPointFrames.
+_PLACES = (0, can.SET_POINTS, can.LOADS, can.LOADS + can.SET_POINTS)
 
 
 class GatewayStation:
-    """Leads four inverters on two channels; `devices` are their states by name, `own` their frames."""
+    """Gateway of four inverters on two channels; `devices` are their states, `own` their frames."""
 
     def __init__(self, database: Database, parameters: GatewayParameters) -> None:
         self.s = Gateway(waits=float(parameters.auto_enable))
         self._frames = bench_frames(database)
         self.change(parameters)
         self.devices: dict[str, Device] = {
-            "Drive11": self.s.drive_11, "Drive12": self.s.drive_12, "Load11": self.s.load_11, "Load12": self.s.load_12
-        }  # fmt: skip
-        f = self._frames
-        self.own = {"Drive11": f.drive_11, "Drive12": f.drive_12, "Load11": f.load_11, "Load12": f.load_12}
-        self._heard: dict[int, tuple[str, int, int]] = {
-            int(identifier): (name, kind, int(getattr(f, SENT[kind].lower()).length))
-            for name, own in self.own.items()
-            for kind, identifier in enumerate(own.identifiers)
+            "Drive11": self.s.drive_11,
+            "Drive12": self.s.drive_12,
+            "Load11": self.s.load_11,
+            "Load12": self.s.load_12,
         }
+        f = self._frames
+        self.own = {
+            "Drive11": f.drive_11,
+            "Drive12": f.drive_12,
+            "Load11": f.load_11,
+            "Load12": f.load_12,
+        }
+        # By identifier: device, kind and length of a frame of feedback.
+        self._feedback: dict[int, tuple[str, int, int]] = {}
+        for name, own in self.own.items():
+            for kind, identifier in enumerate(own.identifiers):
+                length = int(getattr(f, SENT[kind].lower()).length)
+                self._feedback[int(identifier)] = (name, kind, length)
 
     def change(self, parameters: GatewayParameters) -> None:
-        """Go on with other limits and time-outs; ParameterError for a limit that the frames do not have."""
+        """Go on with other limits and time-outs; refuse a limit that the frames do not have."""
         check_limits(self._frames.set_point, parameters)
         self.p: Any = namespace(number_tree(parameters))
 
     def receive(self, circuit: str, frame: Frame) -> None:
         """Take a frame from the channel of a circuit, if it is of one of its devices."""
-        name, kind, length = self._heard.get(frame.identifier, ("", 0, 0))
+        name, kind, length = self._feedback.get(frame.identifier, ("", 0, 0))
         if not name or not name.endswith(circuit):
             return
         feedback = self.devices[name].feedback
         if len(frame.data) != length:
             feedback.refused += 1.0
             return
-        leading.receive_feedback(self._frames, self.own[name], feedback, kind, int.from_bytes(frame.data, "little"))
+        leading.receive_feedback(
+            self._frames, self.own[name], feedback, kind, int.from_bytes(frame.data, "little")
+        )
 
     def command(self, name: str, mode: int, value: float) -> None:
-        """What a device shall do: a torque [N m] or a speed [rad/s] at its shaft; ValueError for what is no number."""
+        """Command a device: a torque [N m] or a speed [rad/s] at its shaft.
+
+        Raises ValueError for what is no number.
+        """
         if not isfinite(value):
             raise ValueError(f"command of {name}: {value} is refused, expected a finite number")
         leading.command_device(self.devices[name], mode, value)
@@ -66,22 +90,22 @@ class GatewayStation:
         """Begin to enable devices, or return the reason, in one line, why none of them is."""
         reasons = {
             leading.LATCHED: "has a latched fault: reset it first",
-            leading.SILENT: f"says nothing: no valid feedback within {self.p.feedback_timeout:g} s",
+            leading.SILENT: f"is silent: no valid feedback within {self.p.feedback_timeout:g} s",
             leading.DOUBTFUL: "measures what cannot be",
-            leading.WITHOUT_COMMAND: f"has no command: none came within {self.p.command_timeout:g} s",
+            leading.WITHOUT_COMMAND: f"has no command: none within {self.p.command_timeout:g} s",
         }
         for name in names:
             found = leading.refusal(self.p, self.devices[name])
             if found != leading.MAY_BE_ENABLED:
                 return f"{name} {reasons[found]}"
         for name in names:
-            self.devices[name].enable = 1.0
+            self.devices[name].enable = True
         return ""
 
     def disable(self) -> None:
         """Take torque and voltage from everything."""
         for device in self.devices.values():
-            device.enable = 0.0
+            device.enable = False
 
     def reset(self) -> None:
         """Begin the reset sequence of everything; nothing is enabled after it."""
@@ -89,32 +113,35 @@ class GatewayStation:
             leading.begin_reset(device)
 
     def step(self, ticks: int = 1) -> list[tuple[str, Frame]]:
-        """Advance by some cycles of 1 ms, after the frames of this cycle; what is to be sent, each with its circuit."""
+        """Advance by some cycles of 1 ms; return the frames to send, each with its circuit."""
         before = self.s.tick
         leading.advance_gateway(self.p, self.s, float(ticks), ticks * TICK)
         frames = [(name[-2:], self._set_point(name, self.own[name])) for name in DEVICES]
         if is_due(self._frames.heartbeat.ticks, before, self.s.tick):
-            frames += [(circuit, self._life_sign(place)) for place, circuit in enumerate(CIRCUITS)]
+            for place, circuit in enumerate(CIRCUITS):
+                frames.append((circuit, self._life_sign(place)))
         return frames
 
     def _set_point(self, name: str, own: DeviceFrames) -> Frame:
         most = self.p.torque_limit if name in DRIVES else self.p.load_torque_limit
-        payload = leading.set_point(self._frames, own, self.devices[name], most, self.p.speed_limit)
-        return Frame(int(own.set_point), payload.to_bytes(int(self._frames.set_point.length), "little"))
+        limits = leading.Limits(most, self.p.speed_limit)
+        payload = leading.set_point(self._frames, own, self.devices[name], limits)
+        return Frame(
+            int(own.set_point), payload.to_bytes(int(self._frames.set_point.length), "little")
+        )
 
     def _life_sign(self, place: int) -> Frame:
         payload = leading.heartbeat(self._frames, self.s, place)
-        return Frame(int(self._frames.ecu), payload.to_bytes(int(self._frames.heartbeat.length), "little"))
-
-
-_PLACES = (0, can.SET_POINTS, can.LOADS, can.LOADS + can.SET_POINTS)  # of the devices' set-points in SetPointFrames
+        return Frame(
+            int(self._frames.ecu), payload.to_bytes(int(self._frames.heartbeat.length), "little")
+        )
 
 
 class GatewayOnBus(LawObject):
-    """Plays the role by the method `can`, with a `station` on the bus in the place of frames as signals.
+    """Player of the role by the method `can`, with a `station` on the bus in place of frames.
 
-    Its signals are the frames that it has sent since the instant before, the newest ones if there are too many.
-    `newest` gives the stamp of the newest torque command.
+    Its signals are the frames that it has sent since the instant before, the newest ones if there
+    are too many. `newest` gives the stamp of the newest torque command.
     """
 
     def __init__(self, configuration: Configuration, newest: Callable[[], int]) -> None:
@@ -126,20 +153,24 @@ class GatewayOnBus(LawObject):
         self.station = GatewayStation(load_database(p.bus.database), p)
         self.given["s"].gateway = self.station.s
         devices = self.station.own.values()
-        self._places = {int(own.set_point): place for own, place in zip(devices, _PLACES, strict=True)}
-        self._set_points: dict[int, deque[int]] = {place: deque(maxlen=MOST_TICKS) for place in _PLACES}
+        self._places = {
+            int(own.set_point): place for own, place in zip(devices, _PLACES, strict=True)
+        }
+        self._set_points: dict[int, deque[int]] = {
+            place: deque(maxlen=MOST_TICKS) for place in _PLACES
+        }
         self._heartbeats: dict[int, int] = {}
-        self._heard_before = [(0.0, 0.0), (0.0, 0.0)]
+        self._torques_before = [(0.0, 0.0), (0.0, 0.0)]
         self._has_begun = False
         self._newest = newest
         self.step = self._answer
 
     def receive(self, circuit: str, frame: Frame) -> None:
-        """Feedback, or frames for others."""
+        """Take feedback; frames for other devices are left alone."""
         self.station.receive(circuit, frame)
 
     def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
-        """Press the buttons that are due, lead the inverters on; what is to be sent."""
+        """Press the buttons that are due, lead the inverters on; return the frames to send."""
         c, g = self.given["c"], self.station.s
         now = g.tick
         for tick in range(ticks if self._has_begun else 0):
@@ -148,7 +179,8 @@ class GatewayOnBus(LawObject):
         g.tick = now
         frames = self.station.step(ticks)
         for circuit, frame in frames:
-            payload, place = int.from_bytes(frame.data, "little"), self._places.get(frame.identifier)
+            payload = int.from_bytes(frame.data, "little")
+            place = self._places.get(frame.identifier)
             if place is None:
                 self._heartbeats[CIRCUITS.index(circuit)] = payload
             else:
@@ -156,22 +188,32 @@ class GatewayOnBus(LawObject):
         return frames
 
     def _answer(
-        self, command: WheelTorqueCommand, load: LoadCommand, _heard: FeedbackFrames, shafts: BenchShafts
+        self,
+        command: WheelTorqueCommand,
+        load: LoadCommand,
+        _feedback: FeedbackFrames,
+        shafts: BenchShafts,
     ) -> SetPointFrames:
         """Take the orders of an instant; with the first one time begins for the buttons."""
         if not self._has_begun:
-            self._has_begun, self.station.s.tick = True, 0.0
+            self._has_begun = True
+            self.station.s.tick = 0.0
         p, g = self.given["p"], self.station.s
         newest = float(self._newest())
-        if newest > g.commanded:  # else it is held from before, and gets too old (`command_timeout`)
+        if (
+            newest > g.commanded
+        ):  # else it is held from before, and gets too old (`command_timeout`)
             can.command_drives(p, g, command)
         g.commanded = newest
         can.command_loads(p, g, load)
-        # The output of the bench at an instant is what it measured before the last one (`BenchOnBus`).
+        # The output of the bench at an instant is what it measured before the last one
+        # (`BenchOnBus`).
         for place, device in enumerate((g.drive_11, g.drive_12)):
             of = device.feedback
-            now, (of.torque_sum, of.torque_count) = (of.torque_sum, of.torque_count), self._heard_before[place]
-            self._heard_before[place] = now
+            now = (of.torque_sum, of.torque_count)
+            # So the feedback of the same period is compared with it.
+            of.torque_sum, of.torque_count = self._torques_before[place]
+            self._torques_before[place] = now
         can.watch_bench(p, self.given["car"].motor.rotor_inertia, g, load, shafts, self._period)
         can.note_faults(self.given["s"])
         return SetPointFrames(*self._sent())
@@ -188,5 +230,5 @@ class GatewayOnBus(LawObject):
         return sent
 
     def goes_on(self) -> None:
-        """Time has begun."""
+        """Go on with the state of another object, in which time has begun."""
         self._has_begun = True

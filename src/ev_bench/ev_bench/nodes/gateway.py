@@ -1,4 +1,4 @@
-"""The gateway between the graph and the inverters on a CAN bus."""
+"""Node of the gateway between the graph and the inverters on a CAN bus."""
 
 from typing import Any
 
@@ -17,13 +17,13 @@ _ROLE, _METHOD = "inverter_gateway", "can"
 
 
 class InverterGatewayNode(BusNode):
-    """Sends the values of `torque_command` and `load_command` by the wall clock; publishes the inverters' feedback."""
+    """Node that leads the inverters by the wall clock and publishes their feedback."""
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(_ROLE, GatewayParameters, **node_arguments)
 
     def prepare(self) -> None:
-        """What leads the inverters, what subscribes to the graph, what publishes to it."""
+        """Make the station, its subscriptions and its publishers."""
         self.station = GatewayStation(self.database, self.parameters)
         self._commands = Commands(self, self.station, lambda: self.parameters, self.reports)
         self._panel = Panel(self, lambda: self.station)
@@ -37,7 +37,7 @@ class InverterGatewayNode(BusNode):
         return self.channels is not None and (self._commands.take() | super().poll())
 
     def take(self, circuit: str, frame: Frame) -> None:
-        """Feedback, or frames for others."""
+        """Take feedback; frames for other devices are left alone."""
         self.station.receive(circuit, frame)
 
     def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
@@ -56,17 +56,17 @@ class GatewayRoleOnBus(RoleOnBus):
         self._panel = Panel(self, lambda: self.player.station)
 
     def played_by(self, configuration: Configuration) -> GatewayOnBus:
-        """A gateway that leads nothing yet."""
+        """Make a gateway that leads nothing yet."""
         return GatewayOnBus(configuration, self._newest)
 
     def _newest(self) -> int:
-        """The stamp of the newest torque command."""
+        """Stamp of the newest torque command."""
         inbox = self.stepper.inbox
         assert isinstance(inbox, HoldingInbox), "it plays in real time"
         return inbox.held.stamp_of(WheelTorqueCommand)
 
     def open_channels(self) -> Channels:
-        """Those of its parameters, with their log."""
+        """Open the channels of its parameters, with their log."""
         bus = self.configuration.parameters.bus
         return Channels(bus, bus.log)
 
@@ -79,7 +79,7 @@ class GatewayRoleOnBus(RoleOnBus):
 
 
 def make(**node_arguments: Any) -> Any:
-    """The node: of a role in lockstep, of one in real time, or without a graph, where no method is given."""
+    """Make the node: of a role in lockstep or real time, or without a graph."""
     with given_parameters(_ROLE, **node_arguments) as given:
         if given.get("mode") == "realtime" and given.get("method", _METHOD) == _METHOD:
             return GatewayRoleOnBus(**node_arguments)

@@ -1,1 +1,1 @@
-"""Traction control (acceleration slip regulation): what it lets through of the requested wheel torques."""
+"""Traction control (acceleration slip regulation): limits of the requested wheel torques."""

@@ -1,4 +1,4 @@
-"""Slip control by feedback linearisation, also of the wheel's acceleration (dissertation, figures 1.19 and 1.20)."""
+"""Slip control by feedback linearisation, also of the wheel's acceleration (dissertation)."""
 
 from __future__ import annotations
 
@@ -6,16 +6,32 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from ev_control.law import Filtered, WheelMotion, filter_share, follow, observed_slip, road_torque, traction_control
-from ev_control.shared.wheel_regulation import RegulatedWheel, SlipRegulatorParameters, stays_out, until_served, weighed
+from ev_control.law import (
+    Filtered,
+    WheelMotion,
+    filter_share,
+    follow,
+    observed_slip,
+    road_torque,
+    traction_control,
+)
+from ev_control.shared.wheel_regulation import (
+    RegulatedWheel,
+    SlipRegulatorParameters,
+    stays_out,
+    until_served,
+    weighed,
+)
 from ev_core.law import Car, compilable, group, parameter, part
 
 
 @dataclass(frozen=True, slots=True)
 class LinearisationParameters:
-    """How fast the slip error decays, and how fast the road is believed to change; the source gives neither."""
+    """Decay of the slip error, and rate of change of the road; the source gives neither."""
 
-    rate: float = parameter(25.0, unit="1/s", low=0.1, high=1000.0, about="decay of the slip error, k")
+    rate: float = parameter(
+        25.0, unit="1/s", low=0.1, high=1000.0, about="decay of the slip error, k"
+    )
     road_filter: float = parameter(
         0.02, unit="s", low=0.0, high=1.0, about="time constant of road torque and acceleration"
     )
@@ -24,7 +40,7 @@ class LinearisationParameters:
 
 @dataclass(slots=True)
 class LinearisationWheel(RegulatedWheel):
-    """What the law knows of a wheel."""
+    """State of a wheel."""
 
     road: Filtered = part(Filtered)  # torque that the road takes [N m]
     body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
@@ -33,17 +49,22 @@ class LinearisationWheel(RegulatedWheel):
 @traction_control("feedback_linearisation", reference="regulator.reference")
 @compilable
 def feedback_linearisation(
-    p: LinearisationParameters, car: Car, w: LinearisationWheel, period: float, motion: WheelMotion, wanted: float
+    p: LinearisationParameters,
+    car: Car,
+    w: LinearisationWheel,
+    period: float,
+    motion: WheelMotion,
+    wanted: float,
 ) -> float:
-    """Choose the torque that makes the slip error decay exponentially, whatever the tyre's curve is.
+    """Choose the torque with which the slip error decays exponentially, on any tyre.
 
     With S = 1 - V/(r w), S' = ((1 - S) w' - V'/r)/w and J w' = M - M_road,
 
         M = M_road + J/(1 - S) (V'/r - k w (S - S*))
 
-    gives S' = -k (S - S*) (dissertation, the first section 1.4, which names the method but gives no equation). The
-    road torque M_road = M - J w' is measured and filtered, V' is the acceleration of the car. Near full slip 1/(1 - S)
-    is taken at S = 0.9.
+    gives S' = -k (S - S*) (dissertation, the first section 1.4, which names the method but gives no
+    equation). The road torque M_road = M - J w' is measured and filtered, V' is the acceleration of
+    the car. Near full slip 1/(1 - S) is taken at S = 0.9.
     """
     slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
     share = filter_share(period, p.road_filter)
@@ -58,8 +79,10 @@ def feedback_linearisation(
 
 
 @compilable
-def acceleration_with_decay(p: Any, car: Car, slip: float, body_acceleration: float, motion: WheelMotion) -> float:
-    """V'/r - k w (S - S*) [rad/s^2]: with it as (1 - S) w' the slip error decays, S' = -k (S - S*); `rate` is k.
+def acceleration_with_decay(
+    p: Any, car: Car, slip: float, body_acceleration: float, motion: WheelMotion
+) -> float:
+    """Acceleration V'/r - k w (S - S*) [rad/s^2]: as (1 - S) w' it lets the slip error decay.
 
     From S = 1 - V/(r w), S' = ((1 - S) w' - V'/r)/w.
     """
@@ -70,19 +93,27 @@ def acceleration_with_decay(p: Any, car: Car, slip: float, body_acceleration: fl
 
 @dataclass(frozen=True, slots=True)
 class ModifiedLambdaParameters:
-    """How fast the slip error decays, and how fast the wheel's acceleration follows; the source gives neither."""
+    """Decay of the slip error, and of that of the acceleration; the source gives neither."""
 
-    rate: float = parameter(12.0, unit="1/s", low=0.1, high=1000.0, about="decay of the slip error, k")
-    acceleration_time: float = parameter(
-        0.03, unit="s", low=1e-3, high=10.0, about="time constant of the wheel's acceleration behind the wanted one"
+    rate: float = parameter(
+        12.0, unit="1/s", low=0.1, high=1000.0, about="decay of the slip error, k"
     )
-    filter_time: float = parameter(0.01, unit="s", low=0.0, high=1.0, about="time constant of both accelerations")
+    acceleration_time: float = parameter(
+        0.03,
+        unit="s",
+        low=1e-3,
+        high=10.0,
+        about="time constant of the wheel's acceleration behind the wanted one",
+    )
+    filter_time: float = parameter(
+        0.01, unit="s", low=0.0, high=1.0, about="time constant of both accelerations"
+    )
     regulator: SlipRegulatorParameters = group(SlipRegulatorParameters)
 
 
 @dataclass(slots=True)
 class ModifiedLambdaWheel(RegulatedWheel):
-    """What the law knows of a wheel."""
+    """State of a wheel."""
 
     wheel_acceleration: Filtered = part(Filtered)  # [rad/s^2]
     body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
@@ -91,14 +122,20 @@ class ModifiedLambdaWheel(RegulatedWheel):
 @traction_control("modified_lambda", reference="regulator.reference")
 @compilable
 def modified_lambda(
-    p: ModifiedLambdaParameters, car: Car, w: ModifiedLambdaWheel, period: float, motion: WheelMotion, wanted: float
+    p: ModifiedLambdaParameters,
+    car: Car,
+    w: ModifiedLambdaWheel,
+    period: float,
+    motion: WheelMotion,
+    wanted: float,
 ) -> float:
     """Regulate the wheel's acceleration to the one with which the slip error decays exponentially.
 
-    S' = -k (S - S*) asks for w'* = (V'/r - k w (S - S*))/(1 - S), as in `feedback_linearisation`; the torque then
-    follows by M' = J/T (w'* - w'), an integral action that needs no torque of the road and smooths its ripple. The
-    source has no more than that w' is regulated (dissertation, the first section 1.4, figure 1.20); the rest is
-    assumption. Near full slip 1/(1 - S) is taken at S = 0.9.
+    S' = -k (S - S*) asks for w'* = (V'/r - k w (S - S*))/(1 - S), as in `feedback_linearisation`;
+    the torque then follows by M' = J/T (w'* - w'), an integral action that needs no torque of the
+    road and smooths its ripple. The source has no more than that w' is regulated (dissertation, the
+    first section 1.4, figure 1.20); the rest is assumption. Near full slip 1/(1 - S) is taken at S
+    = 0.9.
     """
     slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
     share = filter_share(period, p.filter_time)
@@ -111,5 +148,7 @@ def modified_lambda(
     if w.limit == inf:
         before = min(max(motion.torque, 0.0), wanted)
     gap = acceleration_with_decay(p, car, slip, moving, motion) / (1.0 - min(slip, 0.9)) - turning
-    torque = max(before + car.driven_wheel_inertia[motion.place] / p.acceleration_time * gap * period, 0.0)
+    torque = max(
+        before + car.driven_wheel_inertia[motion.place] / p.acceleration_time * gap * period, 0.0
+    )
     return until_served(p.regulator, w, period, torque, wanted)

@@ -1,22 +1,32 @@
-"""Least squares of the curve y = A x + B g(x) over the last samples, its slope and its peak (dissertation, eq 2.36).
+"""Least squares of y = A x + B g(x) over the last samples (dissertation, eq 2.36).
 
-g(x) is sqrt(x) in the equations, and x^2 in the text, which names the template of the patent EP0630786A1. The rounding
-errors of the sums are added up as well, so that hardly anything of them is left: a sum is the pair of its value and of
-what rounding has lost of it, and begins at `EMPTY_SUM`.
+g(x) is sqrt(x) in the equations, and x^2 in the text, which names the template of the patent
+EP0630786A1. The rounding errors of the sums are added up as well, so that hardly anything of them
+is left: a sum is the pair of its value and of what rounding has lost of it, and begins at
+`EMPTY_SUM`.
 """
 
 from dataclasses import dataclass
+from enum import auto
 from math import inf
 from typing import Any, NamedTuple
 
-from ev_core.law import compilable, entry, parameter, series, sqrt
+from ev_core.law import Choice, compilable, entry, parameter, series, sqrt
 
 EMPTY_SUM = (0.0, 0.0)
+CAPACITY = 1000  # samples: 5 s at 5 ms, 2 s at 2 ms; a window that would hold more is cut to it
+
+
+class Template(Choice):
+    """Forms of the curve."""
+
+    ROOT = auto()
+    SQUARE = auto()
 
 
 @compilable
 def plus(total: tuple[float, float], number: float) -> tuple[float, float]:
-    """The sum with one more number; the error of one addition is exactly a number (Knuth's two-sum)."""
+    """Sum with one more number and its exact error (Knuth's two-sum)."""
     before, lost = total
     value = before + number
     taken = value - before
@@ -29,18 +39,14 @@ def rounded(total: tuple[float, float]) -> float:
     return total[0] + total[1]
 
 
-TEMPLATES = ("root", "square")
-ROOT, SQUARE = range(len(TEMPLATES))
-CAPACITY = 1000  # samples: 5 s at 5 ms, 2 s at 2 ms; a window that would hold more is cut to it
-
-
 @dataclass(slots=True)
 class SlipCurveFit:
     """The last samples in a ring, and the sums of the normal equations over the window.
 
-    The square root is taken of x + `offset`: its slope at zero stays finite, and x = 0 does no harm. x below zero
-    counts as zero. A sum that gains and loses a sample each time collects rounding errors, so it is formed anew after
-    each window, and at once when the window or the offset is another one.
+    The square root is taken of x + `offset`: its slope at zero stays finite, and x = 0 does no
+    harm. x below zero counts as zero. A sum that gains and loses a sample each time collects
+    rounding errors, so it is formed again after each window, and at once when the window or the
+    offset is another one.
     """
 
     x: list[float] = series(CAPACITY, unit="1", about="slip")
@@ -61,16 +67,21 @@ class SlipCurveFit:
 @compilable
 def shape(x: float, offset: float, template: float) -> float:
     """The second function of the template, g(x) [1]."""
-    return x * x if template == SQUARE else sqrt(x + offset)
+    return x * x if template == Template.SQUARE else sqrt(x + offset)
 
 
 @compilable
-def add_sample(fit: SlipCurveFit, size: float, offset: float, x: float, y: float, template: Any = 0.0) -> None:
+def add_sample(
+    fit: SlipCurveFit, size: float, offset: float, x: float, y: float, template: Any = 0.0
+) -> None:
     """Take one sample in, and the oldest one out where the window of this size is full."""
-    x, size = max(x, 0.0), min(size, float(CAPACITY))
+    x = max(x, 0.0)
+    size = min(size, float(CAPACITY))
     is_changed = size != fit.size or offset != fit.offset or template != fit.template
-    fit.size, fit.offset, fit.template = size, offset, template
-    old_x = old_root = old_y = 0.0
+    fit.size = size
+    fit.offset = offset
+    fit.template = template
+    old_x = old_y = old_root = 0.0
     if is_full(fit):
         oldest = int(fit.taken - size) % CAPACITY
         old_x, old_y = fit.x[oldest], fit.y[oldest]
@@ -78,6 +89,7 @@ def add_sample(fit: SlipCurveFit, size: float, offset: float, x: float, y: float
     newest = int(fit.taken) % CAPACITY
     fit.x[newest], fit.y[newest] = x, y
     fit.taken += 1.0
+    # Now and then from scratch, because rounding errors collect.
     if is_changed or (fit.taken > size and fit.taken % size == 0.0):
         sum_anew(fit)
         return
@@ -95,7 +107,8 @@ def add_sample(fit: SlipCurveFit, size: float, offset: float, x: float, y: float
 def sum_anew(fit: SlipCurveFit) -> None:
     """Form all sums over the window."""
     sum_x = sum_xx = sum_x_root = sum_xy = sum_root_y = sum_roots = sum_yy = EMPTY_SUM
-    all_x, all_y, taken = fit.x, fit.y, int(fit.taken)
+    taken = int(fit.taken)
+    all_x, all_y = fit.x, fit.y
     for place in range(taken - int(samples_in(fit)), taken):
         x, y = all_x[place % CAPACITY], all_y[place % CAPACITY]
         root = shape(x, fit.offset, fit.template)
@@ -117,13 +130,13 @@ def sum_anew(fit: SlipCurveFit) -> None:
 
 @compilable
 def samples_in(fit: SlipCurveFit) -> float:
-    """How many samples the window holds so far."""
+    """Number of samples in the window so far [1]."""
     return min(fit.taken, fit.size)
 
 
 @compilable
 def is_full(fit: SlipCurveFit) -> bool:
-    """Whether the window has all its samples."""
+    """Return true if the window has all its samples."""
     return fit.taken >= fit.size
 
 
@@ -144,25 +157,26 @@ def slip_variance(fit: SlipCurveFit) -> float:
 class SlipCurveParameters:
     """The template of the curve, and how well it has to fit."""
 
-    template: str = parameter(
-        "root",
-        choices=TEMPLATES,
+    template: Template = parameter(
+        Template.ROOT,
         about="root: A x + B sqrt(x); square: A x + B x^2",
-        source="dissertation, eq 2.36: root; the text beside it, after the patent EP0630786A1: square",
+        source="dissertation, eq 2.36: root; the text beside it, after the patent EP0630786A1: "
+        "square",
     )
     largest_error: float = parameter(
         0.0,
         unit="1",
         low=0.0,
         high=1e6,
-        about="largest sum of squared errors F of a fit that counts; 0 asks for none, because F grows with the "
+        about="largest sum of squared errors F of a fit that counts; 0 asks for none, because F "
+        "grows with the "
         "window and with noise",
         source="dissertation, section 2.4: F <= 0.001; not used by default: assumption",
     )
 
 
 class FittedCurve(NamedTuple):
-    """The coefficients of y = A x + B g(x) [1]; both zero if the samples do not distinguish them."""
+    """Coefficients of y = A x + B g(x) [1]; both zero if the samples do not distinguish them."""
 
     a: float
     b: float
@@ -171,8 +185,12 @@ class FittedCurve(NamedTuple):
 @compilable
 def fitted_curve(fit: SlipCurveFit) -> FittedCurve:
     """The curve of the least squared error."""
-    sum_of_roots = fit.sum_roots if fit.template == SQUARE else fit.sum_x + samples_in(fit) * fit.offset
+    # The square of the root is x + offset, so its sum follows from that of x.
+    sum_of_roots = fit.sum_x + samples_in(fit) * fit.offset
+    if fit.template == Template.SQUARE:
+        sum_of_roots = fit.sum_roots
     determinant = fit.sum_xx * sum_of_roots - fit.sum_x_root * fit.sum_x_root
+    # All samples at one slip: any curve through them fits.
     if determinant <= 1e-9 * fit.sum_xx * sum_of_roots:
         return FittedCurve(0.0, 0.0)
     a = (fit.sum_xy * sum_of_roots - fit.sum_root_y * fit.sum_x_root) / determinant
@@ -182,7 +200,7 @@ def fitted_curve(fit: SlipCurveFit) -> FittedCurve:
 
 @compilable
 def fits(p: SlipCurveParameters, fit: SlipCurveFit, curve: FittedCurve) -> bool:
-    """Whether the squared errors of its best curve sum up to no more than is allowed."""
+    """Return true if the squared errors of its best curve sum up to no more than allowed."""
     error = fit.sum_yy - curve.a * fit.sum_xy - curve.b * fit.sum_root_y
     return p.largest_error == 0.0 or error <= p.largest_error
 
@@ -190,21 +208,22 @@ def fits(p: SlipCurveParameters, fit: SlipCurveFit, curve: FittedCurve) -> bool:
 @compilable
 def slope(fit: SlipCurveFit, curve: FittedCurve, x: float) -> float:
     """dy/dx of a curve at a slip [1], above zero for the root without offset."""
-    if fit.template == SQUARE:
+    if fit.template == Template.SQUARE:
         return curve.a + 2.0 * curve.b * x
     return curve.a + curve.b / (2.0 * sqrt(x + fit.offset))
 
 
 @compilable
 def fitted_peak(p: SlipCurveParameters, fit: SlipCurveFit) -> float:
-    """Slip at which the fitted curve turns down, (B/(2 A))^2 or -A/(2 B) [1]; infinite where it rises throughout.
+    """Slip [1] at which the fitted curve turns down, (B/(2 A))^2 or -A/(2 B).
 
-    It is infinite as well where the curve does not fit, or the samples do not distinguish its coefficients.
+    It is infinite where the curve rises throughout, where it does not fit, and where the samples do
+    not distinguish its coefficients.
     """
     curve = fitted_curve(fit)
     if not fits(p, fit, curve):
         return inf
-    if fit.template == SQUARE:
+    if fit.template == Template.SQUARE:
         if curve.b >= 0.0:
             return inf if curve.a >= 0.0 else 0.0
         return max(curve.a / (-2.0 * curve.b), 0.0)

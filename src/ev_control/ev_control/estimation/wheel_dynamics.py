@@ -1,4 +1,4 @@
-"""The wheel as traction control sees it: motion, slip, load, torque of the road; and filters of what is measured."""
+"""The wheel as traction control sees it: motion, slip, load, torque of the road; and filters."""
 
 import linecache
 from collections.abc import Callable, Iterator
@@ -13,13 +13,19 @@ from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_
 def start_again(record: type) -> Callable[[Any], None]:
     """A compilable function that puts every number of a declared record back to its start value.
 
-    Its text is made from the declaration, because compiled code reaches the fields of a record only by their names.
+    Its text is made from the declaration, because compiled code reaches the fields of a record only
+    by their names.
     """
     name = f"start_again_{record.__name__}"
     lines = [f"def {name}(s):\n", *(f"    {line}\n" for line in _assignments("s", record()))]
     file = f"<{name}>"
     space: dict[str, Any] = {"inf": inf, "__name__": __name__}
-    linecache.cache[file] = (len(lines), None, lines, file)  # for debuggers and whatever reads a function's text
+    linecache.cache[file] = (
+        len(lines),
+        None,
+        lines,
+        file,
+    )  # for debuggers and whatever reads a function's text
     exec(compile("".join(lines), file, "exec"), space)
     again: Callable[[Any], None] = compilable(space[name])
     return again
@@ -31,7 +37,8 @@ def _assignments(place: str, start: Any) -> Iterator[str]:
         if is_dataclass(value):
             yield from _assignments(name, value)
         elif isinstance(value, list):
-            yield f"for n in range({len(value)}): {name}[n] = {value[0]!r}"
+            yield f"for n in range({len(value)}):"
+            yield f"    {name}[n] = {value[0]!r}"
         else:
             yield f"{name} = {value!r}"
 
@@ -41,7 +48,9 @@ class Filtered:
     """A number behind a first-order filter, in its own unit."""
 
     value: float = entry(unit="its own", about="filtered number")
-    known: float = entry(unit="1", about="whether there has been a number; the first one passes")
+    known: bool = entry(
+        False, unit="1", about="whether there has been a number; the first one passes"
+    )
 
 
 @compilable
@@ -53,8 +62,8 @@ def filter_share(period: float, time_constant: float) -> float:
 @compilable
 def follow(s: Filtered, value: float, share: float) -> float:
     """The filtered number, a share of the gap nearer to this one."""
-    if s.known == 0.0:
-        s.known = 1.0
+    if not s.known:
+        s.known = True
         s.value = value
     else:
         s.value += share * (value - s.value)
@@ -65,7 +74,7 @@ forget_filtered = start_again(Filtered)  # the next number then passes as the fi
 
 
 class WheelMotion(NamedTuple):
-    """What is measured of one wheel, counted positive in the direction of its request."""
+    """Measured motion of one wheel, counted positive in the direction of its request."""
 
     speed: float  # [rad/s]
     rolling: float  # speed at which it would roll [rad/s]
@@ -84,7 +93,11 @@ class WheelMotion(NamedTuple):
 def slowest_wheel() -> Any:
     """The parameter `slowest` of those that take a slip by `slip_of`."""
     return parameter(
-        3.0, unit="rad/s", low=0.1, high=100.0, about="least wheel speed that slip is counted against: rest is no slip"
+        3.0,
+        unit="rad/s",
+        low=0.1,
+        high=100.0,
+        about="least wheel speed that slip is counted against: rest is no slip",
     )
 
 
@@ -95,51 +108,58 @@ def share_at_rest(share: float) -> Any:
         unit="1",
         low=0.01,
         high=1.0,
-        about="share of the wanted slip that a limited wheel has at rest; from `slowest` on it is whole. With 1 a "
-        "tread that slides by slip times `slowest` passes as one that grips, and the car stands on a slippery hill",
+        about="share of the wanted slip that a limited wheel has at rest; from `slowest` on it is "
+        "whole. With 1 a "
+        "tread that slides by slip times `slowest` passes as one that grips, and the car stands "
+        "on a slippery hill",
     )
 
 
 @compilable
 def share_at(motion: WheelMotion, slowest: float, at_rest: float) -> float:
-    """The share [1] of a wanted slip at the speed of the car: `at_rest`, and all of it from `slowest` [rad/s] on."""
+    """Share [1] of a wanted slip at the speed of the car: `at_rest`, and all from `slowest` on."""
     return at_rest + (1.0 - at_rest) * min(abs(motion.rolling) / slowest, 1.0)
 
 
 @compilable
 def slip_of(motion: WheelMotion, slowest: float) -> float:
-    """Slip 1 - w_free/w (dissertation, eq 2.34) [1], against at least `slowest` [rad/s], so that rest is none."""
+    """Slip 1 - w_free/w [1] (dissertation, eq 2.34), against at least `slowest`: rest is none."""
     return (motion.speed - motion.rolling) / max(abs(motion.speed), slowest)
 
 
 @compilable
 def road_torque(car: Car, motion: WheelMotion) -> float:
-    """Torque that the road takes from a wheel, M - J w' [N m], mean over the last period, not filtered."""
+    """Torque that the road takes from a wheel, M - J w' [N m], mean over the last period."""
     return motion.torque - car.driven_wheel_inertia[motion.place] * motion.acceleration
 
 
 @compilable
 def mass_share(car: Car) -> float:
-    """The part of the car's mass that one driven wheel has to move [kg]; the source's M is that of a single wheel."""
+    """Mass that one driven wheel has to move [kg]; the source's M is that of a single wheel."""
     return car.mass / max(car.number_driven, 1.0)
 
 
 @compilable
-def wheel_load(car: Car, wheel: int, longitudinal_acceleration: float, lateral_acceleration: float) -> float:
-    """Load of a wheel [N] by its place in Wheels and the accelerations of the car to its front and left [m/s^2].
+def wheel_load(
+    car: Car, wheel: int, longitudinal_acceleration: float, lateral_acceleration: float
+) -> float:
+    """Load of a wheel [N] by the accelerations of the car to its front and left [m/s^2].
 
-    F_z = m (g b/L -+ h a_x/L)/2 -+ k h m a_y/t, with the front (b: rear) arm of the centre of mass. Dissertation,
-    eqs 2.28 to 2.31, for a centre of mass in the car's middle; k is the axle's share of the roll moment. Never below a
-    tenth of the load at rest, where the car would be on three wheels.
+    F_z = m (g b/L -+ h a_x/L)/2 -+ k h m a_y/t, with the front (b: rear) arm of the centre of mass.
+    Dissertation, eqs 2.28 to 2.31, for a centre of mass in the car's middle; k is the axle's share
+    of the roll moment. Never below a tenth of the load at rest, where the car would be on three
+    wheels.
     """
     half_mass = car.mass / 2.0
     along = half_mass * car.pitch_height / car.wheelbase * longitudinal_acceleration
     front = wheel in (FRONT_LEFT, FRONT_RIGHT)
-    roll, track = (car.front_roll_share, car.front_track) if front else (1.0 - car.front_roll_share, car.rear_track)
+    roll = car.front_roll_share if front else 1.0 - car.front_roll_share
+    track = car.front_track if front else car.rear_track
     across = 2.0 * half_mass * car.roll_height * roll / track * lateral_acceleration
     at_rest = load_at_rest(car, wheel)
     load = at_rest - along if front else at_rest + along
     load = load - across if wheel in (FRONT_LEFT, REAR_LEFT) else load + across
+    # No law may divide by the load of a lifted wheel.
     return max(load, 0.1 * at_rest)
 
 

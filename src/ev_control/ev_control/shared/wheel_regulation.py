@@ -1,6 +1,7 @@
-"""What traction controls share that regulate a slip or set a speed: when they begin, and when they end.
+"""Beginning and end of traction controls that regulate a slip or set a speed.
 
-They begin by the slip, or where a wheel gains on the car by the ratio of their accelerations (dissertation, eq 1.4).
+They begin by the slip, or where a wheel gains on the car by the ratio of their accelerations
+(dissertation, eq 1.4).
 """
 
 from dataclasses import dataclass
@@ -20,10 +21,20 @@ class SlipThresholdParameters:
     """The two ends of the range, printed as "0.15 > S > 0.19"."""
 
     low: float = parameter(
-        0.15, unit="1", low=0.0, high=1.0, about="slip below which the torque may rise", source="dissertation, eq 1.5"
+        0.15,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="slip below which the torque may rise",
+        source="dissertation, eq 1.5",
     )
     high: float = parameter(
-        0.19, unit="1", low=0.0, high=1.0, about="slip above which it has to fall", source="dissertation, eq 1.5"
+        0.19,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="slip above which it has to fall",
+        source="dissertation, eq 1.5",
     )
 
     def __post_init__(self) -> None:
@@ -36,10 +47,18 @@ class SlipRegulatorParameters:
     """The slip that is wanted, and what is measured of it; the source gives no number."""
 
     target: float = parameter(
-        0.1, unit="1", low=0.01, high=0.5, about="wanted slip; the peaks of snow and wet asphalt lie at 0.09 and 0.13"
+        0.1,
+        unit="1",
+        low=0.01,
+        high=0.5,
+        about="wanted slip; the peaks of snow and wet asphalt lie at 0.09 and 0.13",
     )
     release: float = parameter(
-        0.2, unit="s", low=0.0, high=100.0, about="time for which the limit has to be above the request before it ends"
+        0.2,
+        unit="s",
+        low=0.0,
+        high=100.0,
+        about="time for which the limit has to be above the request before it ends",
     )
     at_rest: float = wheel_dynamics.share_at_rest(0.3)
     slip: SlipObserverParameters = group(SlipObserverParameters)
@@ -49,7 +68,7 @@ class SlipRegulatorParameters:
 
 @dataclass(slots=True)
 class RegulatedWheel(LimitedWheel):
-    """What a law that regulates a slip knows of a wheel."""
+    """State of a wheel with a regulated slip."""
 
     observer: SlipObserverState = part(SlipObserverState)
     served: float = entry(unit="s", about="since when the limit is above the request")
@@ -60,19 +79,22 @@ forget_regulation = wheel_dynamics.start_again(RegulatedWheel)
 
 @compilable
 def stays_out(p: SlipRegulatorParameters, w: RegulatedWheel, slip: float) -> bool:
-    """Whether a wheel is not limited, and its slip [1] is no reason to begin."""
+    """Return true if a wheel is not limited, and its slip [1] is no reason to begin."""
     return w.limit == inf and slip <= p.target
 
 
 @compilable
 def weighed(p: SlipRegulatorParameters, slip: float, motion: wheel_dynamics.WheelMotion) -> float:
-    """The slip [1] as a limited wheel is regulated by it: about rest it weighs more, which is a smaller target."""
+    """Slip [1] by which a limited wheel is regulated.
+
+    About rest it weighs more, which is a smaller target.
+    """
     return slip / wheel_dynamics.share_at(motion, p.slip.slowest, p.at_rest)
 
 
 @compilable
 def until_served(p: Any, w: Any, period: float, limit: float, wanted: float) -> float:
-    """The limit [N m] until it has been above what is wanted [N m] for `release` [s], then infinity.
+    """Limit [N m] until it has been above what is wanted for `release` [s], then infinity.
 
     The wheel has `served`, the time since when it is.
     """
@@ -85,20 +107,38 @@ def until_served(p: Any, w: Any, period: float, limit: float, wanted: float) -> 
 
 @dataclass(frozen=True, slots=True)
 class SpeedSetPointParameters:
-    """How the set-point moves; in the source it is lowered; how fast, and when it is raised, is open."""
+    """Movement of the set-point; the source leaves open how fast, and when it rises."""
 
-    lowering: float = parameter(200.0, unit="rad/s^2", low=0.1, high=1e5, about="fall of the set-point")
+    lowering: float = parameter(
+        200.0, unit="rad/s^2", low=0.1, high=1e5, about="fall of the set-point"
+    )
     raising: float = parameter(
-        60.0, unit="rad/s^2", low=0.1, high=1e5, about="rise of the set-point, faster than any car, to find the limit"
+        60.0,
+        unit="rad/s^2",
+        low=0.1,
+        high=1e5,
+        about="rise of the set-point, faster than any car, to find the limit",
     )
     least_slip: float = parameter(
-        0.02, unit="1", low=0.0, high=0.5, about="slip below which the set-point is not lowered: the drive needs torque"
+        0.02,
+        unit="1",
+        low=0.0,
+        high=0.5,
+        about="slip below which the set-point is not lowered: the drive needs torque",
     )
     served: float = parameter(
-        0.95, unit="1", low=0.1, high=1.0, about="share of the request that a drive gives which is no longer limited"
+        0.95,
+        unit="1",
+        low=0.1,
+        high=1.0,
+        about="share of the request that a drive gives which is no longer limited",
     )
     release: float = parameter(
-        0.2, unit="s", low=0.0, high=100.0, about="time for which it has to before the set-point ends"
+        0.2,
+        unit="s",
+        low=0.0,
+        high=100.0,
+        about="time for which it has to before the set-point ends",
     )
     slowest: float = wheel_dynamics.slowest_wheel()
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
@@ -106,7 +146,7 @@ class SpeedSetPointParameters:
 
 @dataclass(slots=True)
 class SpeedSetPointWheel(LimitedWheel):
-    """What a law of set-points knows of a wheel; its limit is a speed."""
+    """State of a wheel with a speed set-point, which is its limit."""
 
     limit: float = entry(inf, unit="rad/s", about="largest speed that its drive goes for")
     served: float = entry(unit="s", about="since when the drive gives the request")
@@ -118,53 +158,73 @@ forget_set_point = wheel_dynamics.start_again(SpeedSetPointWheel)
 @compilable
 def moved(
     p: SpeedSetPointParameters,
-    car: Car,
     w: SpeedSetPointWheel,
     period: float,
     motion: wheel_dynamics.WheelMotion,
-    wanted: float,
     course: float,
+    serves: bool,
 ) -> float:
-    """The set-point [rad/s] after a period: lowered if `course` is below zero, raised above it, else held.
+    """Set-point [rad/s] after a period: lowered, raised or held by the sign of `course`.
 
-    It begins at the speed that the wheel has, and ends once the drive has given what is wanted [N m] for a while.
+    It begins at the speed that the wheel has, and ends once the drive `serves` the request for a
+    while.
     """
     if course < 0.0:
         w.served = 0.0
+        # Below some slip the drive would brake, and take the torque away that it is to limit.
         least = motion.rolling + p.least_slip * max(motion.rolling, p.slowest)
         return max(min(w.limit, motion.speed) - p.lowering * period, least)
+    # Not limited, and no reason to begin.
     if w.limit == inf:
         return inf
-    gives = motion.torque >= p.served * car.motor.gear_efficiency * wanted
-    w.served = w.served + period if gives else 0.0
+    w.served = w.served + period if serves else 0.0
     if w.served > p.release:
         return inf
     return w.limit + p.raising * period if course > 0.0 else w.limit
 
 
+@compilable
+def serves_request(
+    p: SpeedSetPointParameters, car: Car, motion: wheel_dynamics.WheelMotion, wanted: float
+) -> bool:
+    """Return true if the drive gives what is wanted [N m], so that it is no longer limited."""
+    gives: bool = motion.torque >= p.served * car.motor.gear_efficiency * wanted
+    return gives
+
+
 @dataclass(frozen=True, slots=True)
 class GainedSpeedParameters:
-    """What a tyre that grips may gain: its slip, and the winding up of its carcass."""
+    """Speed that a gripping tyre may gain: its slip, and the winding up of its carcass."""
 
     grip_slip: float = parameter(
         0.07,
         unit="1",
         low=0.0,
         high=0.5,
-        about="share of its speed that a wheel may gain on the car while its tyre grips; dry asphalt carries half of "
+        about="share of its speed that a wheel may gain on the car while its tyre grips; dry "
+        "asphalt carries half of "
         "the load at a slip of 0.03",
     )
     least_gain: float = parameter(
-        0.3, unit="rad/s", low=0.0, high=100.0, about="allowed gain at any speed: noise, a carcass that winds up"
+        0.3,
+        unit="rad/s",
+        low=0.0,
+        high=100.0,
+        about="allowed gain at any speed: noise, a carcass that winds up",
     )
     memory: float = parameter(
-        1.0, unit="s", low=0.01, high=100.0, about="time constant of forgetting the gained speed: no offset adds up"
+        1.0,
+        unit="s",
+        low=0.01,
+        high=100.0,
+        about="time constant of forgetting the gained speed: no offset adds up",
     )
 
 
 @compilable
 def has_gained(p: Any, car: Car, w: Any, period: float, motion: wheel_dynamics.WheelMotion) -> bool:
-    """Whether a wheel has gained more on the car than a tyre that grips; `w.gained` is what it has [rad/s]."""
+    """Return true if a wheel has gained more on the car than a tyre that grips; keep how much."""
+    # Leaky, so that an offset of the accelerometer does not add up.
     gain = motion.acceleration - motion.body_acceleration / car.wheel_radius
     w.gained = max(w.gained + gain * period, 0.0) * p.memory / (p.memory + period)
     gained: bool = w.gained > max(p.grip_slip * motion.speed, p.least_gain)
@@ -180,14 +240,22 @@ class AccelerationCriterionParameters(GainedSpeedParameters):
         unit="m",
         low=0.0,
         high=10.0,
-        about="ratio of accelerations below which a wheel slips; 0.4 in the source, more than any wheel radius, would "
-        "always be undercut; half the radius stands for a wheel that turns twice as fast as it would roll",
+        about="ratio of accelerations below which a wheel slips; 0.4 in the source, more than any "
+        "wheel radius, would "
+        "always be undercut; half the radius stands for a wheel that turns twice as fast as it "
+        "would roll",
         source="assumption; dissertation, eq 1.4, has 0.4 m",
     )
     least_acceleration: float = parameter(
-        6.0, unit="rad/s^2", low=0.0, high=1000.0, about="wheel acceleration below which the ratio is noise"
+        6.0,
+        unit="rad/s^2",
+        low=0.0,
+        high=1000.0,
+        about="wheel acceleration below which the ratio is noise",
     )
-    filter_time: float = parameter(0.03, unit="s", low=0.0, high=1.0, about="time constant of both accelerations")
+    filter_time: float = parameter(
+        0.03, unit="s", low=0.0, high=1.0, about="time constant of both accelerations"
+    )
 
 
 @dataclass(slots=True)
@@ -201,11 +269,16 @@ class Accelerations:
 
 @compilable
 def gains_on_car(
-    p: AccelerationCriterionParameters, car: Car, s: Accelerations, period: float, motion: wheel_dynamics.WheelMotion
+    p: AccelerationCriterionParameters,
+    car: Car,
+    s: Accelerations,
+    period: float,
+    motion: wheel_dynamics.WheelMotion,
 ) -> bool:
-    """Whether a_x/w' < threshold, compared without dividing, and only while w' is more than noise.
+    """Return true if a_x/w' < threshold, while w' is more than noise; nothing is divided.
 
-    A tyre that grips needs slip for its force, and its carcass winds up first: what it gains by that does not count.
+    A tyre that grips needs slip for its force, and its carcass winds up first: what it gains by
+    that does not count.
     """
     gained = has_gained(p, car, s, period, motion)
     share = wheel_dynamics.filter_share(period, p.filter_time)

@@ -1,1 +1,1 @@
-"""The parts of yaw moment control: motion as it is known, wanted motion, controllers, allocation to the wheels."""
+"""Parts of yaw moment control: known motion, wanted motion, controllers, allocations."""

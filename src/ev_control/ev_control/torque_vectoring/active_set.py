@@ -1,4 +1,4 @@
-"""A small dense quadratic program with bounds, by the primal active set method (Nocedal & Wright 2006, 16.5)."""
+"""Small dense quadratic program with bounds, by active sets (Nocedal & Wright 2006, 16.5)."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ _CLOSE = 1e-10  # of the largest gradient, below which a bound is not left
 
 @dataclass(slots=True)
 class Program:
-    """The least of x'Hx/2 + c'x within low <= x <= high, and working memory; matrices row by row, the lower half."""
+    """Least of x'Hx/2 + c'x within low <= x <= high; of matrices the lower half, row by row."""
 
     hessian: list[float] = series(SIZE * SIZE, unit="its own")
     slope: list[float] = series(SIZE, unit="its own")
@@ -19,7 +19,9 @@ class Program:
     high: list[float] = series(SIZE, unit="its own")
     x: list[float] = series(SIZE, unit="its own")
     bound: list[float] = series(SIZE, unit="1", about="1 for an unknown that is at a bound")
-    factor: list[float] = series(SIZE * SIZE, unit="its own", about="of Cholesky, of the free unknowns")
+    factor: list[float] = series(
+        SIZE * SIZE, unit="its own", about="of Cholesky, of the free unknowns"
+    )
     step: list[float] = series(SIZE, unit="its own")
 
 
@@ -27,14 +29,15 @@ class Program:
 def solve(w: Program) -> None:
     """Set x to the optimum, from the x that is there, cut to its bounds.
 
-    Each round goes to the least of the free unknowns, or as far as the first bound on the way, which then holds. At the
-    least the bound that costs most is left, until none costs anything.
+    Each round goes to the least of the free unknowns, or as far as the first bound on the way,
+    which then holds. At the least the bound that costs most is left, until none costs anything.
     """
     for i in range(SIZE):
         w.x[i] = min(max(w.x[i], w.low[i]), w.high[i])
         w.bound[i] = 1.0 if w.x[i] == w.low[i] or w.x[i] == w.high[i] else 0.0
     for _ in range(_ROUNDS):
         towards_least(w)
+        # The first bound on the way, and the part of the step up to it.
         share, hit = 1.0, -1
         for i in range(SIZE):
             if w.bound[i] == 0.0:
@@ -44,6 +47,7 @@ def solve(w: Program) -> None:
         for i in range(SIZE):
             if w.bound[i] == 0.0:
                 w.x[i] += share * w.step[i]
+        # Exactly onto the bound: rounding must not leave it just beside.
         if hit >= 0:
             w.x[hit] = w.high[hit] if w.step[hit] > 0.0 else w.low[hit]
             w.bound[hit] = 1.0
@@ -56,7 +60,7 @@ def solve(w: Program) -> None:
 
 @compilable
 def gradient(w: Program, i: int) -> float:
-    """Of the program at x, in the direction of an unknown."""
+    """Gradient of the program at x, in the direction of an unknown."""
     found = w.slope[i]
     for j in range(SIZE):
         found += (w.hessian[i * SIZE + j] if j <= i else w.hessian[j * SIZE + i]) * w.x[j]
@@ -66,7 +70,8 @@ def gradient(w: Program, i: int) -> float:
 @compilable
 def costliest_bound(w: Program) -> int:
     """The unknown that would gain most by leaving its bound, -1 if none would."""
-    worst, most, largest = -1, 0.0, 0.0
+    worst = -1
+    most = largest = 0.0
     for i in range(SIZE):
         slope = gradient(w, i)
         largest = max(largest, abs(w.slope[i]))
@@ -79,7 +84,7 @@ def costliest_bound(w: Program) -> int:
 
 @compilable
 def towards_least(w: Program) -> None:
-    """Set the step to the least of the free unknowns with the others held, H d = -g, by Cholesky."""
+    """Set the step to the least of the free unknowns, H d = -g, by Cholesky."""
     n = SIZE
     for i in range(n):
         for j in range(i + 1):

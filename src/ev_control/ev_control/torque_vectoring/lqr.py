@@ -1,7 +1,7 @@
 """Yaw rate and sideslip by a linear quadratic regulator, scheduled by speed.
 
-Esmailzadeh, Goodarzi & Vossoughi (2003), Optimal yaw moment control law for improved vehicle handling, Mechatronics
-13(7), 659-675: the single-track model with the yaw moment as its only input.
+Esmailzadeh, Goodarzi & Vossoughi (2003), Optimal yaw moment control law for improved vehicle
+handling, Mechatronics 13(7), 659-675: the single-track model with the yaw moment as its only input.
 """
 
 from dataclasses import dataclass
@@ -11,24 +11,33 @@ from typing import NamedTuple
 from ev_control.torque_vectoring.single_track import SingleTrackParameters, single_track
 from ev_core.law import Vehicle, compilable, parameter
 
-
-@dataclass(frozen=True, slots=True)
-class LQRParameters:
-    """What counts as much as what (Bryson's rule); the source leaves the weights open."""
-
-    yaw_rate_error: float = parameter(
-        0.05, unit="rad/s", low=1e-4, high=10.0, about="error of the yaw rate that counts as much as `moment`"
-    )
-    sideslip_error: float = parameter(
-        0.05, unit="rad", low=1e-4, high=10.0, about="error of the sideslip that counts as much as `moment`"
-    )
-    moment: float = parameter(1500.0, unit="N m", low=1.0, high=1e6, about="yaw moment that counts as much")
-
-
 SPEED_STEP = 2.5  # [m/s]
 SPEEDS = 32  # of the schedule, each way
 _DOUBLINGS = 14  # of the horizon: 2^14 periods are for ever
 _Matrix = tuple[float, float, float, float]  # row by row
+
+
+@dataclass(frozen=True, slots=True)
+class LQRParameters:
+    """Weights by Bryson's rule: what counts as much as what; the source leaves them open."""
+
+    yaw_rate_error: float = parameter(
+        0.05,
+        unit="rad/s",
+        low=1e-4,
+        high=10.0,
+        about="error of the yaw rate that counts as much as `moment`",
+    )
+    sideslip_error: float = parameter(
+        0.05,
+        unit="rad",
+        low=1e-4,
+        high=10.0,
+        about="error of the sideslip that counts as much as `moment`",
+    )
+    moment: float = parameter(
+        1500.0, unit="N m", low=1.0, high=1e6, about="yaw moment that counts as much"
+    )
 
 
 class Gains(NamedTuple):
@@ -45,23 +54,38 @@ class Gains(NamedTuple):
 
 
 @lru_cache(1024)  # cars: each search of a board has the same draws again
-def lqr_gains(p: LQRParameters, tyres: SingleTrackParameters, vehicle: Vehicle, period: float) -> Gains:
-    """The gains that make the sum of the weighed squares least on an endless horizon, by implicit Euler steps."""
-    signed = [sign * SPEED_STEP * n for sign in (1.0, -1.0) for n in range(SPEEDS)]
-    return Gains(*zip(*(_gains_at(p, tyres, vehicle, period, speed) for speed in signed), strict=True))
+def lqr_gains(
+    p: LQRParameters, tyres: SingleTrackParameters, vehicle: Vehicle, period: float
+) -> Gains:
+    """Gains that make the weighed squares least on an endless horizon, by implicit Euler steps."""
+    ahead = [SPEED_STEP * n for n in range(SPEEDS)]
+    reverse = [-speed for speed in ahead]
+    rows = [_gains_at(p, tyres, vehicle, period, speed) for speed in (*ahead, *reverse)]
+    return Gains(*zip(*rows, strict=True))
 
 
 def _gains_at(
     p: LQRParameters, tyres: SingleTrackParameters, vehicle: Vehicle, period: float, speed: float
 ) -> tuple[float, float, float, float, float]:
-    """(R + B'PB)^-1 B'PA and P at a speed [m/s], P by doubling (Chu, Fan, Lin & Wang 2004, Int. J. Control 77)."""
+    """Gains (R + B'PB)^-1 B'PA and P at a speed [m/s], P by doubling (Chu et al. 2004)."""
     model = single_track(tyres, vehicle, speed)
-    a = _inverse((1.0 - period * model.a_11, -period * model.a_12, -period * model.a_21, 1.0 - period * model.a_22))
+    a = _inverse(
+        (
+            1.0 - period * model.a_11,
+            -period * model.a_12,
+            -period * model.a_21,
+            1.0 - period * model.a_22,
+        )
+    )
     b = (a[1] * period / vehicle.yaw_inertia, a[3] * period / vehicle.yaw_inertia)
     effort = 1.0 / (p.moment * p.moment)
     aside = p.sideslip_error * max(abs(speed), tyres.slowest)
     cost = (1.0 / (aside * aside), 0.0, 0.0, 1.0 / (p.yaw_rate_error * p.yaw_rate_error))
-    closed, reach = a, (b[0] * b[0] / effort, b[0] * b[1] / effort, b[1] * b[0] / effort, b[1] * b[1] / effort)
+    closed, reach = (
+        a,
+        (b[0] * b[0] / effort, b[0] * b[1] / effort, b[1] * b[0] / effort, b[1] * b[1] / effort),
+    )
+    # Each round doubles the horizon behind which the errors no longer cost anything.
     for _ in range(_DOUBLINGS):
         once = _inverse(_sum((1.0, 0.0, 0.0, 1.0), _product(reach, cost)))
         turned = _transposed(closed)

@@ -1,4 +1,4 @@
-"""Yaw rate by a PI controller (De Novellis, Sorniotti & Gruber 2014, IEEE Trans. Vehicular Technology 63(8), 3612)."""
+"""Yaw rate by a PI controller (De Novellis, Sorniotti & Gruber 2014, IEEE TVT 63(8), 3612)."""
 
 from dataclasses import dataclass
 
@@ -10,8 +10,12 @@ from ev_core.law import Car, compilable, parameter
 class PIParameters:
     """Gains over the yaw inertia; the source schedules its own by speed."""
 
-    bandwidth: float = parameter(10.0, unit="1/s", low=0.0, high=200.0, about="proportional gain over the yaw inertia")
-    integral_rate: float = parameter(5.0, unit="1/s", low=0.0, high=100.0, about="integral over proportional gain")
+    bandwidth: float = parameter(
+        10.0, unit="1/s", low=0.0, high=200.0, about="proportional gain over the yaw inertia"
+    )
+    integral_rate: float = parameter(
+        5.0, unit="1/s", low=0.0, high=100.0, about="integral over proportional gain"
+    )
 
 
 @compilable

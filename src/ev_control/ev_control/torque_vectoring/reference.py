@@ -1,43 +1,73 @@
-"""The yaw rate that the driver is taken to want: neutral, of a designed understeer, or less where the rear slides.
+"""Yaw rate that the driver is taken to want: neutral, of a designed understeer, or limited.
 
-The designed understeer is the characteristic of De Novellis, Sorniotti & Gruber (2015), Driving modes for designing the
-cornering response of fully electric vehicles with multiple motors, Mechanical Systems and Signal Processing 64-65; the
-weight by the sideslip of the rear axle that of Lenzo et al. (2021), Yaw rate and sideslip control using single input
-single output direct yaw moment control, IEEE Transactions on Control Systems Technology 29.
+The designed understeer is the characteristic of De Novellis, Sorniotti & Gruber (2015), Driving
+modes for designing the cornering response of fully electric vehicles with multiple motors,
+Mechanical Systems and Signal Processing 64-65; the weight by the sideslip of the rear axle that of
+Lenzo et al. (2021), Yaw rate and sideslip control using single input single output direct yaw
+moment control, IEEE Transactions on Control Systems Technology 29.
 """
 
 from dataclasses import dataclass
+from enum import auto
 from typing import NamedTuple
 
 from ev_control.estimation.wheel_dynamics import filter_share
-from ev_core.law import Car, ParameterError, compilable, copysign, entry, exp, parameter
-
-REFERENCES = ("neutral", "understeer", "sideslip_limit")
-NEUTRAL, UNDERSTEER, SIDESLIP_LIMIT = range(len(REFERENCES))
-
+from ev_core.law import Car, Choice, ParameterError, compilable, copysign, entry, exp, parameter
 
 LEAST_GRIP = 0.01  # [m/s^2], below that of any road
+_ROUNDS = 30  # of Newton's steps
+_CLOSE = 1e-12  # [rad], step that is small enough
+
+
+class Reference(Choice):
+    """Yaw rates that a driver may be taken to want."""
+
+    NEUTRAL = auto()
+    UNDERSTEER = auto()
+    SIDESLIP_LIMIT = auto()
 
 
 @dataclass(frozen=True, slots=True)
 class ReferenceParameters:
-    """The characteristic that the car is to have; the sources design it for each car and driving mode."""
+    """Characteristic that the car is to have; the sources design it for each car and mode."""
 
     gradient: float = parameter(
-        0.002, unit="s^2/m", low=1e-5, high=0.1, about="understeer K of the linear part, delta = L a_y/u^2 + K a_y"
+        0.002,
+        unit="s^2/m",
+        low=1e-5,
+        high=0.1,
+        about="understeer K of the linear part, delta = L a_y/u^2 + K a_y",
     )
     linear_share: float = parameter(
-        0.5, unit="1", low=0.0, high=0.99, about="end of the linear part, over the largest lateral acceleration"
+        0.5,
+        unit="1",
+        low=0.0,
+        high=0.99,
+        about="end of the linear part, over the largest lateral acceleration",
     )
     grip_share: float = parameter(
-        0.9, unit="1", low=0.1, high=1.0, about="largest lateral acceleration over what the believed friction allows"
+        0.9,
+        unit="1",
+        low=0.1,
+        high=1.0,
+        about="largest lateral acceleration over what the believed friction allows",
     )
-    lag: float = parameter(0.05, unit="s", low=0.001, high=1.0, about="first-order lag of the wanted yaw rate")
+    lag: float = parameter(
+        0.05, unit="s", low=0.001, high=1.0, about="first-order lag of the wanted yaw rate"
+    )
     first_sideslip: float = parameter(
-        0.04, unit="rad", low=0.0, high=1.0, about="slip angle of the rear axle from which on less yaw rate is wanted"
+        0.04,
+        unit="rad",
+        low=0.0,
+        high=1.0,
+        about="slip angle of the rear axle from which on less yaw rate is wanted",
     )
     last_sideslip: float = parameter(
-        0.10, unit="rad", low=0.01, high=1.5, about="slip angle of the rear axle from which on the path alone counts"
+        0.10,
+        unit="rad",
+        low=0.01,
+        high=1.5,
+        about="slip angle of the rear axle from which on the path alone counts",
     )
 
     def __post_init__(self) -> None:
@@ -50,17 +80,27 @@ class ReferenceParameters:
 
 @dataclass(slots=True)
 class ReferenceState:
-    """What lasts between steps."""
+    """State of the reference."""
 
     yaw_rate: float = entry(unit="rad/s", about="wanted yaw rate, filtered")
 
 
 class Wanted(NamedTuple):
-    """What is wanted of the car."""
+    """Wanted motion of the car."""
 
     yaw_rate: float  # [rad/s]
     rate: float  # of the yaw rate [rad/s^2]
-    angle: float  # road-wheel angle at which a car of the linear part of the characteristic yaws so [rad]
+    angle: float  # at which a car of the linear part yaws so [rad]
+
+
+class Bend(NamedTuple):
+    """Motion of the car by which the driver's wish is read."""
+
+    speed: float  # not zero, negative in reverse [m/s]
+    road_wheel_angle: float  # [rad]
+    grip: float  # lateral acceleration that the believed friction allows [m/s^2]
+    lateral_acceleration: float  # measured [m/s^2]
+    rear_sideslip: float  # slip angle of the rear axle [rad]
 
 
 @compilable
@@ -69,53 +109,57 @@ def wanted_motion(
     car: Car,
     s: ReferenceState,
     period: float,
-    kind: str,
-    speed: float,
-    road_wheel_angle: float,
-    grip: float,
-    lateral_acceleration: float,
-    rear_sideslip: float,
+    kind: Reference,
+    bend: Bend,
 ) -> Wanted:
-    """The wanted yaw rate at a speed that is not zero [m/s], by the acceleration a that the characteristic gives.
+    """Wanted yaw rate, by the acceleration a that the characteristic gives.
 
-    r* = sgn(u delta) a(|delta|)/|u|; with a sideslip limit r* + w (a_y/u - r*), where w grows from 0 to 1 between
-    `first_sideslip` and `last_sideslip` of the rear axle [rad]. `grip` is the lateral acceleration that the believed
-    friction allows, a_y the measured one [m/s^2], the angle that of the road wheels [rad].
+    r* = sgn(u delta) a(|delta|)/|u|; with a sideslip limit r* + w (a_y/u - r*), where w grows from
+    0 to 1 between `first_sideslip` and `last_sideslip` of the rear axle [rad].
     """
-    u, angle, largest = abs(speed), abs(road_wheel_angle), p.grip_share * max(grip, LEAST_GRIP)
-    gradient = 0.0 if kind == NEUTRAL else p.gradient
+    speed = bend.speed
+    u = abs(bend.speed)
+    angle = abs(bend.road_wheel_angle)
+    largest = p.grip_share * max(bend.grip, LEAST_GRIP)
+    gradient = 0.0 if kind == Reference.NEUTRAL else p.gradient
     straight = car.wheelbase / (u * u)
-    if kind == NEUTRAL:
+    if kind == Reference.NEUTRAL:
         acceleration = min(angle / straight, largest)
     else:
         acceleration = designed_acceleration(p, straight, angle, largest)
-    yaw_rate = copysign(acceleration / u, road_wheel_angle * speed)
-    if kind == SIDESLIP_LIMIT:
-        beyond = (abs(rear_sideslip) - p.first_sideslip) / (p.last_sideslip - p.first_sideslip)
-        yaw_rate += min(max(beyond, 0.0), 1.0) * (lateral_acceleration / speed - yaw_rate)
+    yaw_rate = copysign(acceleration / u, bend.road_wheel_angle * speed)
+    if kind == Reference.SIDESLIP_LIMIT:
+        beyond = abs(bend.rear_sideslip) - p.first_sideslip
+        weight = min(max(beyond / (p.last_sideslip - p.first_sideslip), 0.0), 1.0)
+        yaw_rate += weight * (bend.lateral_acceleration / speed - yaw_rate)
+    # The lag gives the rate that the feed-forward needs, without a derivative.
     change = filter_share(period, p.lag) * (yaw_rate - s.yaw_rate)
     s.yaw_rate += change
-    return Wanted(s.yaw_rate, change / period, s.yaw_rate * (car.wheelbase + gradient * u * u) / speed)
-
-
-_ROUNDS = 30
-_CLOSE = 1e-12  # [rad]
+    angle_of_linear_car = s.yaw_rate * (car.wheelbase + gradient * u * u) / speed
+    return Wanted(s.yaw_rate, change / period, angle_of_linear_car)
 
 
 @compilable
-def designed_acceleration(p: ReferenceParameters, straight: float, angle: float, largest: float) -> float:
-    """The lateral acceleration a at which delta = L a/u^2 + d(a) [m/s^2], for an angle of at least 0 [rad].
+def designed_acceleration(
+    p: ReferenceParameters, straight: float, angle: float, largest: float
+) -> float:
+    """Lateral acceleration a [m/s^2] at which delta = L a/u^2 + d(a), for an angle of at least 0.
 
-    With y = d(a) it is the root of y + a(y) L/u^2 - delta, which is concave in y: from y = 0 Newton's steps rise to it
-    and never pass it. `straight` is L/u^2 [s^2/m], `largest` bounds a.
+    With y = d(a) it is the root of y + a(y) L/u^2 - delta, which is concave in y: from y = 0
+    Newton's steps rise to it and never pass it. `straight` is L/u^2 [s^2/m], `largest` bounds a.
     """
-    linear, y, acceleration = p.linear_share * largest, 0.0, 0.0
+    linear = p.linear_share * largest
+    y = acceleration = 0.0
     for _ in range(_ROUNDS):
         if y <= p.gradient * linear:
-            acceleration, slope = y / p.gradient, 1.0 / p.gradient
+            acceleration = y / p.gradient
+            slope = 1.0 / p.gradient
         else:
-            left = (largest - linear) * exp((p.gradient * linear - y) / ((largest - linear) * p.gradient))
-            acceleration, slope = largest - left, left / ((largest - linear) * p.gradient)
+            scale = (largest - linear) * p.gradient
+            left = (largest - linear) * exp((p.gradient * linear - y) / scale)
+            acceleration = largest - left
+            slope = left / scale
+        # Newton on a concave function: no step passes the root, so the first small one ends it.
         step = (angle - y - straight * acceleration) / (1.0 + straight * slope)
         y += step
         if step <= _CLOSE:

@@ -1,4 +1,4 @@
-"""A yaw moment by equal and opposite changes of the torques of each axle, shared by rule: fixed, or as loads are."""
+"""Yaw moment by opposite changes of torques left and right, shared by the axles by a rule."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -11,9 +11,11 @@ from ev_core.vehicle.driveline import has_own_motors
 
 @dataclass(frozen=True, slots=True)
 class ShareParameters:
-    """How the axles share a moment where both can give it."""
+    """Shares of the axles in a moment where both can give it."""
 
-    front: float = parameter(0.5, unit="1", low=0.0, high=1.0, about="share of the front axle in the yaw moment")
+    front: float = parameter(
+        0.5, unit="1", low=0.0, high=1.0, about="share of the front axle in the yaw moment"
+    )
 
 
 def an_axle_with_motors(_parameters: Any, vehicle: Vehicle) -> str:
@@ -27,8 +29,9 @@ def an_axle_with_motors(_parameters: Any, vehicle: Vehicle) -> str:
 
 @compilable
 def can_turn(car: Car, front: bool) -> bool:
-    """Whether both wheels of an axle are driven."""
-    return car.driven[0] * car.driven[1] == 1.0 if front else car.driven[2] * car.driven[3] == 1.0
+    """Return true if both wheels of an axle are driven."""
+    both = car.driven[0] * car.driven[1] if front else car.driven[2] * car.driven[3]
+    return both == 1.0
 
 
 @compilable
@@ -39,7 +42,8 @@ def by_axle(p: ShareParameters, car: Car, total: float, moment: float) -> Wheels
         share = 0.0
     elif not can_turn(car, False):
         share = 1.0
-    front, rear = turning(car.front_track, car, share * moment), turning(car.rear_track, car, (1.0 - share) * moment)
+    front = turning(car.front_track, car, share * moment)
+    rear = turning(car.rear_track, car, (1.0 - share) * moment)
     return Wheels(
         car.driven[0] * (equal - front),
         car.driven[1] * (equal + front),
@@ -50,29 +54,34 @@ def by_axle(p: ShareParameters, car: Car, total: float, moment: float) -> Wheels
 
 @compilable
 def by_load(car: Car, imu: InertialMeasurement, total: float, moment: float) -> Wheels:
-    """Torques in proportion to the load of each driven wheel, and the moment to that of each axle [N m]."""
+    """Torques by the load of each driven wheel, and the moment by that of each axle [N m]."""
     load = wheel_loads(car, imu)
     a, b = car.driven[0] * load[0], car.driven[1] * load[1]
     c, d = car.driven[2] * load[2], car.driven[3] * load[3]
     front = a + b if can_turn(car, True) else 0.0
     rear = c + d if can_turn(car, False) else 0.0
+    # Torque per load.
     along = total / ((a + b) + (c + d))
     in_front = turning(car.front_track, car, moment * front / (front + rear))
     behind = turning(car.rear_track, car, moment * rear / (front + rear))
-    return Wheels(along * a - in_front, along * b + in_front, along * c - behind, along * d + behind)
+    return Wheels(
+        along * a - in_front, along * b + in_front, along * c - behind, along * d + behind
+    )
 
 
 @compilable
 def turning(track: float, car: Car, moment: float) -> float:
-    """Half the torque difference of an axle, right minus left, that turns the car with a moment [N m]."""
+    """Half the torque difference of an axle [N m] that turns the car with a moment [N m]."""
     return moment * car.wheel_radius / track
 
 
 @compilable
 def motors_turn(car: Car, speed: Wheels) -> float:
-    """The yaw moment that all motors can give either way without a drive torque, at wheel speeds [rad/s] [N m]."""
-    a, b = motor_range(car, 0, speed[0]), motor_range(car, 1, speed[1])
-    c, d = motor_range(car, 2, speed[2]), motor_range(car, 3, speed[3])
+    """Yaw moment [N m] that all motors can give either way, at wheel speeds [rad/s]."""
+    a = motor_range(car, 0, speed[0])
+    b = motor_range(car, 1, speed[1])
+    c = motor_range(car, 2, speed[2])
+    d = motor_range(car, 3, speed[3])
     front = min(min(a.most, -a.least), min(b.most, -b.least)) * car.front_track
     rear = min(min(c.most, -c.least), min(d.most, -d.least)) * car.rear_track
     return (front + rear) / car.wheel_radius

@@ -1,9 +1,10 @@
-"""Yaw rate by sliding modes on s = r - r*: of first order with a boundary layer, of second order (two laws).
+"""Yaw rate by sliding modes on s = r - r*, of first and of second order.
 
-First order: Slotine & Li (1991), Applied nonlinear control, chapter 7. Super-twisting: Levant (1993), Sliding order and
-sliding accuracy in sliding mode control, Int. J. Control 58; gains as in Levant (1998), Robust exact differentiation
-via sliding mode technique, Automatica 34. Suboptimal: Bartolini, Ferrara & Usai (1998), Chattering avoidance by
-second-order sliding mode control, IEEE Trans. Automatic Control 43(2), 241-246.
+First order: Slotine & Li (1991), Applied nonlinear control, chapter 7. Super-twisting: Levant
+(1993), Sliding order and sliding accuracy in sliding mode control, Int. J. Control 58; gains as in
+Levant (1998), Robust exact differentiation via sliding mode technique, Automatica 34. Suboptimal:
+Bartolini, Ferrara & Usai (1998), Chattering avoidance by second-order sliding mode control, IEEE
+Trans. Automatic Control 43(2), 241-246.
 """
 
 from dataclasses import dataclass
@@ -15,13 +16,21 @@ from ev_core.law import Car, compilable, copysign, entry, parameter, sqrt
 
 @dataclass(frozen=True, slots=True)
 class SlidingModeParameters:
-    """How hard the car is turned towards the surface, and the layer that takes the chatter away."""
+    """Acceleration towards the surface, and the layer that takes the chatter away."""
 
     reaching: float = parameter(
-        3.0, unit="rad/s^2", low=0.0, high=100.0, about="yaw acceleration towards the wanted yaw rate"
+        3.0,
+        unit="rad/s^2",
+        low=0.0,
+        high=100.0,
+        about="yaw acceleration towards the wanted yaw rate",
     )
     layer: float = parameter(
-        0.15, unit="rad/s", low=0.001, high=10.0, about="error up to which it is in proportion to the error"
+        0.15,
+        unit="rad/s",
+        low=0.001,
+        high=10.0,
+        about="error up to which it is in proportion to the error",
     )
 
 
@@ -33,22 +42,30 @@ def sliding_mode_moment(p: SlidingModeParameters, car: Car, error: float) -> flo
 
 @dataclass(frozen=True, slots=True)
 class SuperTwistingParameters:
-    """The disturbance that is held against, from which both gains follow, and the layer that takes the chatter away."""
+    """Disturbance that gives both gains, and the layer that takes the chatter away."""
 
     roughness: float = parameter(
-        6.0, unit="rad/s^3", low=0.0, high=1000.0, about="bound C of the rate of what disturbs the yaw acceleration"
+        6.0,
+        unit="rad/s^3",
+        low=0.0,
+        high=1000.0,
+        about="bound C of the rate of what disturbs the yaw acceleration",
     )
     layer: float = parameter(
-        0.02, unit="rad/s", low=1e-6, high=10.0, about="error up to which both parts are in proportion to the error",
+        0.02,
+        unit="rad/s",
+        low=1e-6,
+        high=10.0,
+        about="error up to which both parts are in proportion to the error",
         source="assumption; the source has none, and steps that are short enough",
-    )  # fmt: skip
+    )
 
 
 @compilable
 def super_twisting_moment(
     p: SuperTwistingParameters, car: Car, s: MomentIntegral, period: float, error: float
 ) -> float:
-    """M_z = -J (1.5 sqrt(C |s|) sgn(s) + int(1.1 C sgn(s)) dt) [N m], with s the error of the yaw rate [rad/s].
+    """Yaw moment M_z = -J (1.5 sqrt(C |s|) sgn(s) + int(1.1 C sgn(s)) dt) [N m].
 
     Within the layer |s| and sgn(s) stand for `layer` and s/layer.
     """
@@ -59,17 +76,25 @@ def super_twisting_moment(
 
 @dataclass(frozen=True, slots=True)
 class SuboptimalParameters:
-    """How fast the moment changes, and the layer that takes the chatter away."""
+    """Rate of the moment, and the layer that takes the chatter away."""
 
     rate: float = parameter(
-        12.0, unit="rad/s^3", low=0.0, high=1000.0,
-        about="rate V_M of the yaw acceleration by the moment; it holds against disturbances of up to half of it",
-    )  # fmt: skip
+        12.0,
+        unit="rad/s^3",
+        low=0.0,
+        high=1000.0,
+        about="rate V_M of the yaw acceleration by the moment; it holds against disturbances of "
+        "up to half of it",
+    )
     layer: float = parameter(
-        0.05, unit="rad/s", low=1e-6, high=10.0,
-        about="distance of the error from half its extremum up to which the rate is in proportion to it",
+        0.05,
+        unit="rad/s",
+        low=1e-6,
+        high=10.0,
+        about="distance of the error from half its extremum up to which the rate is in proportion "
+        "to it",
         source="assumption; the source has none, and steps that are short enough",
-    )  # fmt: skip
+    )
 
 
 @dataclass(slots=True)
@@ -90,15 +115,20 @@ def suboptimal_moment(
     period: float,
     error: float,
 ) -> float:
-    """M_z = -J int(V_M sgn(s - s_M/2)) dt [N m], with s the error of the yaw rate [rad/s] and s_M its last extremum.
+    """Yaw moment M_z = -J int(V_M sgn(s - s_M/2)) dt [N m], s_M the last extremum of s.
 
-    The source's alpha* may be 1, because the gain of the moment's rate in s'' is known, 1/J: V_M > 2 F is enough for
-    disturbances |s'' + V_M sgn(s - s_M/2)| < F. Within the layer (s - s_M/2)/`layer` stands for the sign.
+    The source's alpha* may be 1, because the gain of the moment's rate in s'' is known, 1/J: V_M >
+    2 F is enough for disturbances |s'' + V_M sgn(s - s_M/2)| < F. Within the layer (s -
+    s_M/2)/`layer` stands for the sign.
     """
     if s.way == 0.0 and error != 0.0:
-        s.extremum, s.before, s.way = error, error, copysign(1.0, error)
+        s.extremum = error
+        s.before = error
+        s.way = copysign(1.0, error)
+    # The error has turned: the last one was an extremum.
     if s.way * (error - s.before) < 0.0:
-        s.extremum, s.way = s.before, -s.way
+        s.extremum = s.before
+        s.way = -s.way
     s.before = error
     side = min(max((error - s.extremum / 2.0) / p.layer, -1.0), 1.0)
     integral.moment -= car.yaw_inertia * p.rate * period * side

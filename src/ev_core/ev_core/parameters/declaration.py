@@ -186,6 +186,10 @@ def number_tree(instance: Any) -> dict[str, Any]:
         if type(value) is float:  # nearly all are
             tree[name] = value
         elif isinstance(value, str):
+            if isinstance(_default(kind, name), Choice):
+                raise TypeError(
+                    f"{name} is the text {value}, expected a member of {type(_default(kind, name)).__name__}"
+                )
             if choices:
                 tree[name] = float(choices.index(value))
         elif is_dataclass(value):
@@ -193,6 +197,12 @@ def number_tree(instance: Any) -> dict[str, Any]:
         elif not isinstance(value, tuple):
             tree[name] = float(value)
     return tree
+
+
+@cache
+def _default(of: type, name: str) -> Any:
+    """The default of a parameter."""
+    return getattr(defaults(of), name)
 
 
 @cache

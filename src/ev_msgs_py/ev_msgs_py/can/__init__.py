@@ -1,1 +1,1 @@
-"""CAN: what is on the bus, how it is written and guarded, how long it takes, and the adapters that carry it."""
+"""CAN frames of the bench: content, protection, length on the wire, and their database."""

@@ -17,6 +17,17 @@ from ev_msgs_py.can.payload import COUNTERS, BitField, extracted, inserted, prot
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
 GUARDS = ("Crc", "Counter")  # signals that the protection writes
+_GUARD_PLACES = {"Crc": (0, 8), "Counter": (8, 4)}  # start and length in bits, profile 1 variant 1A
+_DATA_IDS = range(1 << 16)
+_ENCODING = "cp1252"  # of DBC files
+_STRING_OR_COMMENT = re.compile(r'"(?:\\"|[^"])*"|//[^\n]*')
+_MULTIPLEXED = re.compile(r"SG_MUL_VAL_\s+\d")
+_SIZES = re.compile(
+    r"(\d+)\s*\|\s*(\d+)\s*@|BO_\s+\d+\s+\w+\s*:\s*(\d+)"
+)  # start and length in bits, bytes
+
+_MOST_BITS = 64
+_LONGEST_SIGNAL = 32  # bits; a float64 and compiled code hold such numbers exactly
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,19 +55,25 @@ class FrameLayout:
         """
         if values.keys() != self.signals.keys():
             different = sorted(values.keys() ^ self.signals.keys())
-            raise ValueError(f"{self.name}: signals that are missing or unknown: {', '.join(different)}")
+            raise ValueError(
+                f"{self.name}: signals that are missing or unknown: {', '.join(different)}"
+            )
         payload = 0
         for name, field in self.signals.items():
             value = values[name]
             if math.isnan(value):
-                raise ValueError(f"{self.name}: {name} is nan, expected {field.low:g} to {field.high:g}")
+                raise ValueError(
+                    f"{self.name}: {name} is nan, expected {field.low:g} to {field.high:g}"
+                )
             payload = inserted(payload, field, value)
         return payload
 
     def pack(self, values: Mapping[str, float], counter: int) -> bytes:
-        """The data of the frame, protected; ValueError as `payload`, and for a counter that is none."""
+        """Protected data of the frame; ValueError as `payload`, and for a counter that is none."""
         if counter not in range(COUNTERS):
-            raise ValueError(f"{self.name}: counter {counter} is refused, expected 0 to {COUNTERS - 1}")
+            raise ValueError(
+                f"{self.name}: counter {counter} is refused, expected 0 to {COUNTERS - 1}"
+            )
         return self.data(protected(self.payload(values), self.length, self.data_id, counter))
 
     def data(self, payload: int) -> bytes:
@@ -71,15 +88,10 @@ class FrameLayout:
 if TYPE_CHECKING:
     from cantools.database.can import Message, Signal
 
-_GUARD_PLACES = {"Crc": (0, 8), "Counter": (8, 4)}  # start and length in bits, profile 1 variant 1A
-_DATA_IDS = range(1 << 16)
-_ENCODING = "cp1252"  # of DBC files
-_STRING_OR_COMMENT = re.compile(r'"(?:\\"|[^"])*"|//[^\n]*')
-_MULTIPLEXED = re.compile(r"SG_MUL_VAL_\s+\d")
-_SIZES = re.compile(r"(\d+)\s*\|\s*(\d+)\s*@|BO_\s+\d+\s+\w+\s*:\s*(\d+)")  # start and length in bits, bytes
-_MOST_BITS = 64
-_LONGEST_SIGNAL = 32  # bits; a float64 and compiled code hold such numbers exactly
-_SMALLEST, _LARGEST = 1e-9, 1e9  # of a scale; beyond them float64 does not hold all numbers of a signal apart
+_SMALLEST, _LARGEST = (
+    1e-9,
+    1e9,
+)  # of a scale; beyond them float64 does not hold all numbers of a signal apart
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,10 +111,10 @@ class Database:
 
 @lru_cache(maxsize=4)
 def database_of(content: bytes) -> Database:
-    """The frames that the content of a DBC file declares; to read it takes as long as seconds of a run.
+    """Frames that the content of a DBC file declares; reading takes as long as seconds of a run.
 
-    ParameterError in one line that names frame and signal if it has what is not supported: anything but classic
-    frames with 11-bit identifiers, Intel order, and the protection of profile 1.
+    ParameterError in one line that names frame and signal if it has what is not supported: anything
+    but classic frames with 11-bit identifiers, Intel order, and the protection of profile 1.
     """
     from cantools.database import load_string  # takes 0.2 s that only nodes on a bus shall spend
     from cantools.database.errors import Error
@@ -113,7 +125,9 @@ def database_of(content: bytes) -> Database:
         found: Any = load_string(text, database_format="dbc")
         layouts = [_layout(message) for message in found.messages]
     except (Error, UnicodeDecodeError) as error:
-        what = re.sub(r'(column \d+): ".*', r"\1", str(error), flags=re.DOTALL)  # it goes on with what stands there
+        what = re.sub(
+            r'(column \d+): ".*', r"\1", str(error), flags=re.DOTALL
+        )  # it goes on with what stands there
         raise ParameterError(" ".join(what.split())) from None
     for what in ("name", "identifier"):
         seen = [getattr(layout, what) for layout in layouts]
@@ -123,32 +137,41 @@ def database_of(content: bytes) -> Database:
 
 
 def _refuse_what_unfolds(text: str) -> None:
-    """ParameterError for what the reader writes out, each bit and each number of a range: a line may mean gigabytes."""
+    """Refuse what the reader writes out, each bit and number of a range: it may mean gigabytes."""
     bare = _STRING_OR_COMMENT.sub(" ", text)
     if _MULTIPLEXED.search(bare):
         raise ParameterError("only classic frames with 11 bits and no multiplexing are spoken")
     for found in _SIZES.finditer(bare):
         if any(len(size) > 3 or int(size) > _MOST_BITS for size in found.groups("0")):
-            raise ParameterError(f"{quoted(found[0])} is refused, expected frames of 8 bytes and the bits in them")
+            raise ParameterError(
+                f"{quoted(found[0])} is refused, expected frames of 8 bytes and the bits in them"
+            )
 
 
 def _layout(message: Message) -> FrameLayout:
     if message.is_extended_frame or message.is_fd or message.is_multiplexed() or message.length > 8:
-        raise ParameterError(f"frame {message.name}: only classic frames with 11 bits and no multiplexing are spoken")
+        raise ParameterError(
+            f"frame {message.name}: only classic frames with 11 bits and no multiplexing are spoken"
+        )
     found = {signal.name: signal for signal in message.signals}
     for guard in GUARDS:
         place = (found[guard].start, found[guard].length) if guard in found else None
         if place != _GUARD_PLACES[guard]:
-            raise ParameterError(f"frame {message.name}: {guard} must be at bit {_GUARD_PLACES[guard][0]}")
+            raise ParameterError(
+                f"frame {message.name}: {guard} must be at bit {_GUARD_PLACES[guard][0]}"
+            )
     attributes = message.dbc.attributes if message.dbc else {}
     if "E2EDataId" not in attributes:
         raise ParameterError(f"frame {message.name}: the attribute E2EDataId is missing")
     data_id = attributes["E2EDataId"].value
     if data_id not in _DATA_IDS:
         raise ParameterError(
-            f"frame {message.name}: E2EDataId {quoted(data_id)} is refused, expected 0 to {_DATA_IDS[-1]}"
+            f"frame {message.name}: E2EDataId {quoted(data_id)} is refused, expected 0 to "
+            f"{_DATA_IDS[-1]}"
         )
-    signals = {name: _field(message.name, signal) for name, signal in found.items() if name not in GUARDS}
+    signals = {
+        name: _field(message.name, signal) for name, signal in found.items() if name not in GUARDS
+    }
     return FrameLayout(
         name=message.name,
         identifier=message.frame_id,
@@ -165,14 +188,18 @@ def _layout(message: Message) -> FrameLayout:
 def _field(frame: str, signal: Signal) -> BitField:
     if signal.byte_order != "little_endian" or signal.length > _LONGEST_SIGNAL or signal.is_float:
         raise ParameterError(
-            f"frame {frame}, signal {signal.name}: only whole numbers in Intel order up to {_LONGEST_SIGNAL} bits"
+            f"frame {frame}, signal {signal.name}: only whole numbers in Intel order up to "
+            f"{_LONGEST_SIGNAL} bits"
         )
     if signal.minimum is None or signal.maximum is None:
         raise ParameterError(f"frame {frame}, signal {signal.name}: the range is missing")
-    scale, offset, low, high = (float(n) for n in (signal.scale, signal.offset, signal.minimum, signal.maximum))
+    scale, offset, low, high = (
+        float(n) for n in (signal.scale, signal.offset, signal.minimum, signal.maximum)
+    )
     if not (_SMALLEST <= scale <= _LARGEST and abs(offset) <= _LARGEST):
         raise ParameterError(
-            f"frame {frame}, signal {signal.name}: scale {scale:g} and offset {offset:g} are refused, expected "
+            f"frame {frame}, signal {signal.name}: scale {scale:g} and offset {offset:g} are "
+            f"refused, expected "
             f"{_SMALLEST:g} to {_LARGEST:g} and at most {_LARGEST:g}"
         )
     least = -(1 << signal.length - 1) if signal.is_signed else 0
@@ -188,8 +215,12 @@ def _field(frame: str, signal: Signal) -> BitField:
         low=low,
         high=high,
     )
-    # An offset of many more digits than the scale has is rounded: its ends may be steps away from those of the bits.
-    if not (first <= low <= high <= last and least <= raw_number(field, low) <= raw_number(field, high) <= most):
+    # An offset of many more digits than the scale has is rounded: its ends may be steps away from
+    # those of the bits.
+    if not (
+        first <= low <= high <= last
+        and least <= raw_number(field, low) <= raw_number(field, high) <= most
+    ):
         raise ParameterError(
             f"frame {frame}, signal {signal.name}: the range {low:g} to {high:g} is refused, "
             f"its {signal.length} bits hold {first:g} to {last:g}"

@@ -1,6 +1,7 @@
 """The states of a drive by CiA 402 (IEC 61800-7-201): statusword, controlword and transitions.
 
-Numbers of states are ours; numbers in brackets are those of the transitions in the standard's figure.
+Numbers of states are ours; numbers in brackets are those of the transitions in the standard's
+figure.
 """
 
 from ev_msgs_py.compilable import compilable
@@ -29,10 +30,18 @@ STATE_NAMES = (
 # Statusword (6041h)
 STATE_BITS = (0x00, 0x40, 0x21, 0x23, 0x27, 0x07, 0x0F, 0x08)  # bits 0 to 3, 5 and 6
 _STATE_MASK = 0x6F
-VOLTAGE_ENABLED, WARNING, REMOTE, TARGET_REACHED, INTERNAL_LIMIT = 0x10, 0x80, 0x200, 0x400, 0x800
+VOLTAGE_ENABLED = 0x10
+WARNING = 0x80
+REMOTE = 0x200
+TARGET_REACHED = 0x400
+INTERNAL_LIMIT = 0x800
 
 # Controlword (6040h)
-SWITCH_ON, ENABLE_VOLTAGE, NO_QUICK_STOP, ENABLE_OPERATION, FAULT_RESET = 0x01, 0x02, 0x04, 0x08, 0x80
+SWITCH_ON = 0x01
+ENABLE_VOLTAGE = 0x02
+NO_QUICK_STOP = 0x04
+ENABLE_OPERATION = 0x08
+FAULT_RESET = 0x80
 DISABLE_VOLTAGE = 0x00
 QUICK_STOP = ENABLE_VOLTAGE
 SHUTDOWN = ENABLE_VOLTAGE | NO_QUICK_STOP
@@ -57,11 +66,13 @@ def state_of(statusword: int) -> int:
 
 
 @compilable
-def next_state(state: int, control: int, reset: bool, faulty: bool, charged: bool, torque_gone: bool) -> int:
+def next_state(
+    state: int, control: int, reset: bool, faulty: bool, charged: bool, torque_gone: bool
+) -> int:
     """The state after one look at the controlword.
 
-    `reset`: its bit 7 has just risen; `faulty`: there is a cause of a fault; `charged`: the DC link is; `torque_gone`:
-    the motor has no torque.
+    `reset`: its bit 7 has just risen; `faulty`: there is a cause of a fault; `charged`: the DC link
+    is; `torque_gone`: the motor has no torque.
     """
     if state == FAULT:
         return SWITCH_ON_DISABLED if reset and not faulty else FAULT  # (15)
@@ -76,14 +87,18 @@ def next_state(state: int, control: int, reset: bool, faulty: bool, charged: boo
     if state == QUICK_STOP_ACTIVE:
         return SWITCH_ON_DISABLED if torque_gone else QUICK_STOP_ACTIVE  # (12)
     if control & NO_QUICK_STOP == 0:
-        return QUICK_STOP_ACTIVE if state == OPERATION_ENABLED else SWITCH_ON_DISABLED  # (11), (7), (10)
+        return (
+            QUICK_STOP_ACTIVE if state == OPERATION_ENABLED else SWITCH_ON_DISABLED
+        )  # (11), (7), (10)
     return _next_enabled(state, control, charged)
 
 
 @compilable
 def _next_enabled(state: int, control: int, charged: bool) -> int:
     if state == SWITCH_ON_DISABLED:
-        return READY_TO_SWITCH_ON if control & SWITCH_ON == 0 else SWITCH_ON_DISABLED  # (2): shutdown
+        return (
+            READY_TO_SWITCH_ON if control & SWITCH_ON == 0 else SWITCH_ON_DISABLED
+        )  # (2): shutdown
     if control & SWITCH_ON == 0:
         return READY_TO_SWITCH_ON  # (6), (8)
     if state == READY_TO_SWITCH_ON:

@@ -1,4 +1,4 @@
-"""The frames of the bench as the ends of the bus know them: faults, cycles, and all layouts in one record.
+"""Frames of the bench: faults, cycles, and all layouts in one record.
 
 A payload of 64 bits is a Python int or, compiled, an int64 with the same bits.
 """
@@ -12,9 +12,18 @@ from ev_msgs_py.can.payload import BitField, extracted, inserted, protected
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.refusal import ParameterError
 
+WARNINGS = ("Derating", "FrameRefused", "FramesLost", "Warm", "DcLinkLow")
+RPM = pi / 30.0  # rad/s
+LONG_AGO = 1e9  # s; an age of what has never been
+TICK = 0.001  # s
+SENT = ("Motion", "Electrical", "Temperatures", "Faults")  # by each device
+# Ticks between frames; after more than 5 without one, profile 1 starts again
+# (`checking.TOLERANCES`).
+_SELDOM = 6
+
 
 class Fault(NamedTuple):
-    """A fault that a drive latches; `code` is that of CiA 402 where it has one, else from FF01h on."""
+    """Fault that a drive latches; its code is that of CiA 402, else from FF01h on."""
 
     name: str
     code: int
@@ -24,7 +33,11 @@ class Fault(NamedTuple):
 FAULTS = (
     Fault("CommandTimeout", 0x8130, "no valid set-point within the time-out"),
     Fault("WrongCrc", 0xFF01, "no valid set-point within the time-out, but some with a wrong CRC"),
-    Fault("WrongCounter", 0xFF02, "no valid set-point within the time-out, but some with a repeated or wrong counter"),
+    Fault(
+        "WrongCounter",
+        0xFF02,
+        "no valid set-point within the time-out, but some with a repeated or wrong counter",
+    ),
     Fault("WindingTemperature", 0x4310, "excess temperature of the winding"),
     Fault("InverterTemperature", 0x4210, "excess temperature of the inverter"),
     Fault("Trip", 0x5400, "the power stage tripped"),
@@ -33,7 +46,9 @@ FAULTS = (
     Fault("PrechargeTimeout", 0xFF03, "the DC link did not charge in time"),
     Fault("OverSpeed", 0x8400, "speed beyond the limit of the machine"),
     Fault("OverCurrent", 0x2310, "continuous over-current"),
-    Fault("DirectionChanged", 0xFF04, "another direction was asked for while operation was enabled"),
+    Fault(
+        "DirectionChanged", 0xFF04, "another direction was asked for while operation was enabled"
+    ),
     Fault("ModeRefused", 0xFF05, "a mode that this inverter does not offer"),
 )
 (
@@ -52,8 +67,9 @@ FAULTS = (
     MODE_REFUSED,
 ) = (1 << place for place in range(len(FAULTS)))  # bits of the latch
 
-WARNINGS = ("Derating", "FrameRefused", "FramesLost", "Warm", "DcLinkLow")
-DERATING, FRAME_REFUSED, FRAMES_LOST, WARM, DC_LINK_LOW = (1 << place for place in range(len(WARNINGS)))
+DERATING, FRAME_REFUSED, FRAMES_LOST, WARM, DC_LINK_LOW = (
+    1 << place for place in range(len(WARNINGS))
+)
 
 
 def names_of(latch: int) -> tuple[str, ...]:
@@ -61,38 +77,34 @@ def names_of(latch: int) -> tuple[str, ...]:
     return tuple(fault.name for place, fault in enumerate(FAULTS) if latch >> place & 1)
 
 
-RPM = pi / 30.0  # rad/s
 NO_MODE, TORQUE_MODE, SPEED_MODE = range(3)  # of a set-point
-LONG_AGO = 1e9  # s; an age of what has never been
-
-TICK = 0.001  # s
 
 
 @compilable
 def is_due(every: float, before: float, now: float) -> bool:
-    """Whether a cycle of so many ticks ends after tick `before` and not after `now`; one of none is never due."""
+    """Return true if a cycle of so many ticks ends after tick `before` and not after `now`."""
     cycle = int(every)
     return cycle > 0 and int(now) // cycle > int(before) // cycle
 
 
 def ticks_of(period: float, most: int) -> float:
-    """How many ticks a control period [s] has; ParameterError unless it is 1 to `most` of them."""
+    """Number of ticks of a control period [s]; ParameterError unless it is 1 to `most` of them."""
     ticks = round(period / TICK)
     if not 1 <= ticks <= most or abs(period - ticks * TICK) > 1e-9:
         raise ParameterError(
-            f"control_period: {period!r} is refused, allowed on a CAN bus are 1 to {most} cycles of {TICK:g} s"
+            f"control_period: {period!r} is refused, allowed on a CAN bus are 1 to {most} cycles "
+            f"of {TICK:g} s"
         )
     return float(ticks)
 
 
 DRIVES, LOADS = ("Drive11", "Drive12"), ("Load11", "Load12")
 DEVICES = (*DRIVES, *LOADS)
-SENT = ("Motion", "Electrical", "Temperatures", "Faults")  # by each device
 
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """What all frames of one kind have in common."""
+    """Layout that all frames of one kind have in common."""
 
     length: float  # bytes
     ticks: float  # of 1 ms between two of them
@@ -100,7 +112,7 @@ class Kind:
 
 @dataclass(frozen=True, slots=True)
 class SetPointLayout(Kind):
-    """What a device shall do."""
+    """Frame with the command of a device."""
 
     mode: BitField
     direction: BitField
@@ -112,7 +124,7 @@ class SetPointLayout(Kind):
 
 @dataclass(frozen=True, slots=True)
 class MotionLayout(Kind):
-    """What a device does."""
+    """Frame with the motion of a device."""
 
     command_check: BitField
     torque: BitField
@@ -132,7 +144,7 @@ class ElectricalLayout(Kind):
 
 @dataclass(frozen=True, slots=True)
 class TemperaturesLayout(Kind):
-    """What is warm."""
+    """Frame with the temperatures of a device."""
 
     winding: BitField
     inverter: BitField
@@ -144,7 +156,7 @@ class TemperaturesLayout(Kind):
 
 @dataclass(frozen=True, slots=True)
 class FaultsLayout(Kind):
-    """Latched faults and present warnings; each group of bits is one number here, by place in FAULTS and WARNINGS."""
+    """Latched faults and present warnings, each group of bits one number."""
 
     error_code: BitField
     faults: BitField
@@ -153,7 +165,7 @@ class FaultsLayout(Kind):
 
 @dataclass(frozen=True, slots=True)
 class HeartbeatLayout(Kind):
-    """What the controller has latched and enabled, by device; bits of one group are one number here, too."""
+    """Latched faults and enabled devices of the controller, each group of bits one number."""
 
     command_stale: BitField
     implausible: BitField
@@ -163,7 +175,7 @@ class HeartbeatLayout(Kind):
 
 @dataclass(frozen=True, slots=True)
 class DeviceFrames:
-    """Identifiers and E2E data ids of one device: of its set-point, then of what it sends, in the order of SENT."""
+    """Identifiers and E2E data ids of a device: of its set-point, and of what it sends (SENT)."""
 
     set_point: float
     set_point_data_id: float
@@ -192,8 +204,8 @@ class BenchFrames:
 def bench_frames(database: Database) -> BenchFrames:
     """The frames in a database.
 
-    ParameterError if one is missing, if devices have different ones, if a set-point cannot take the torque away, or if
-    motion comes so seldom that its receiver takes none.
+    ParameterError if one is missing, if devices have different ones, if a set-point cannot take the
+    torque away, or if motion comes so seldom that its receiver takes none.
     """
     heartbeat = database["Ecu_Heartbeat"]
     return BenchFrames(
@@ -222,25 +234,24 @@ _GROUPS = {
 
 
 def _set_point(database: Database) -> SetPointLayout:
-    """Each of its signals can be zero, on which no torque, limits, reverse and the reset rest: it stands on a step."""
+    """Refuse a frame with signals that cannot be zero, as limits, reverse and reset need it."""
     layout: SetPointLayout = _common(database, "SetPoint", SetPointLayout)
     for name, field in database[f"{DEVICES[0]}_SetPoint"].signals.items():
         if extracted(inserted(0, field, 0.0), field) != 0.0:
             raise ParameterError(
-                f"frame {DEVICES[0]}_SetPoint, signal {name}: scale {field.scale:g}, offset {field.offset:g} and range "
+                f"frame {DEVICES[0]}_SetPoint, signal {name}: scale {field.scale:g}, offset "
+                f"{field.offset:g} and range "
                 f"{field.low:g} to {field.high:g} are refused, expected a signal that can be 0"
             )
     return layout
-
-
-_SELDOM = 6  # ticks between frames; behind more than 5 without one, profile 1 begins anew (`checking.TOLERANCES`)
 
 
 def _motion(database: Database) -> MotionLayout:
     layout: MotionLayout = _common(database, "Motion", MotionLayout)
     if layout.ticks > _SELDOM:
         raise ParameterError(
-            f"frame {DEVICES[0]}_Motion: a cycle of {layout.ticks:g} ms is refused, expected {_SELDOM} ms or less"
+            f"frame {DEVICES[0]}_Motion: a cycle of {layout.ticks:g} ms is refused, expected "
+            f"{_SELDOM} ms or less"
         )
     return layout
 
@@ -250,13 +261,19 @@ def _common(database: Database, kind: str, of: type) -> Any:
     for device in DEVICES:
         other = database[f"{device}_{kind}"]
         if (other.length, other.cycle, other.signals) != (first.length, first.cycle, first.signals):
-            raise ParameterError(f"frame {other.name} differs from {first.name}; expected one layout for all devices")
+            raise ParameterError(
+                f"frame {other.name} differs from {first.name}; expected one layout for all devices"
+            )
     return _layout(first, of)
 
 
 def _layout(frame: FrameLayout, of: Any) -> Any:
     names = [name for name in of.__dataclass_fields__ if name not in ("length", "ticks")]
-    return of(float(frame.length), float(round(frame.cycle / TICK)), *(_field(frame, name) for name in names))
+    return of(
+        float(frame.length),
+        float(round(frame.cycle / TICK)),
+        *(_field(frame, name) for name in names),
+    )
 
 
 def _field(frame: FrameLayout, name: str) -> BitField:
@@ -270,12 +287,19 @@ def _field(frame: FrameLayout, name: str) -> BitField:
         return fields[0]
     for place, field in enumerate(fields):
         if field.length != 1.0 or field.start != fields[0].start + place:
-            raise ParameterError(f"frame {frame.name}: {', '.join(signals)} must be single bits in a row")
-    return BitField(fields[0].start, float(len(fields)), 0.0, 1.0, 1.0, 0.0, 0.0, float((1 << len(fields)) - 1))
+            raise ParameterError(
+                f"frame {frame.name}: {', '.join(signals)} must be single bits in a row"
+            )
+    return BitField(
+        fields[0].start, float(len(fields)), 0.0, 1.0, 1.0, 0.0, 0.0, float((1 << len(fields)) - 1)
+    )
 
 
 def _device(database: Database, device: str) -> DeviceFrames:
-    set_point, sent = database[f"{device}_SetPoint"], [database[f"{device}_{kind}"] for kind in SENT]
+    set_point, sent = (
+        database[f"{device}_SetPoint"],
+        [database[f"{device}_{kind}"] for kind in SENT],
+    )
     return DeviceFrames(
         float(set_point.identifier),
         float(set_point.data_id),

@@ -1,12 +1,12 @@
 """A payload of 64 bits: its two words, the signals in it, and its end-to-end protection.
 
-A payload is one whole number, byte 0 in its lowest 8 bits, so that a signal in Intel order is a shift and a mask: a
-physical value as a whole number of steps in some of its bits.
+A payload is one whole number, byte 0 in its lowest 8 bits, so that a signal in Intel order is a
+shift and a mask: a physical value as a whole number of steps in some of its bits.
 
-The protection is AUTOSAR E2E profile 1, variant 1A. Byte 0 is the checksum, the low half of byte 1 a counter from 0 to
-14. The checksum is CRC-8 SAE J1850 with start value and final XOR 0 (AUTOSAR PRS E2E protocol, profile 1), over the two
-bytes of the data id, low one first, and bytes 1 to the last: a frame that is right but comes under another identifier
-is found too.
+The protection is AUTOSAR E2E profile 1, variant 1A. Byte 0 is the checksum, the low half of byte 1
+a counter from 0 to 14. The checksum is CRC-8 SAE J1850 with start value and final XOR 0 (AUTOSAR
+PRS E2E protocol, profile 1), over the two bytes of the data id, low one first, and bytes 1 to the
+last: a frame that is right but comes under another identifier is found too.
 """
 
 from dataclasses import dataclass
@@ -16,6 +16,11 @@ from ev_msgs_py.compilable import compilable, inlined
 
 NO_FRAME = -1.0  # in the place of a word
 _WORD = 0xFFFFFFFF
+_SHARE = 1e-6  # of a step, by which a limit may miss it: 7500 rpm in rad/s and back is 7500 rpm
+POLYNOMIAL = 0x1D
+_LONGEST = 10  # bytes: data id and data of a classic frame
+LONGEST = 8  # bytes of a classic frame
+COUNTERS = 15  # values of the counter; 15 itself means that it is invalid
 
 
 @compilable
@@ -32,13 +37,13 @@ def joined(low: float, high: float) -> int:
 
 @compilable
 def are_words(low: float, high: float) -> bool:
-    """Whether these are the words of a frame, and not NO_FRAME or anything else."""
+    """Return true if these are the words of a frame, and not NO_FRAME or anything else."""
     return 0.0 <= low <= _WORD and 0.0 <= high <= _WORD
 
 
 @dataclass(frozen=True, slots=True)
 class BitField:
-    """Where a signal stands and what its numbers mean: value = offset + scale * raw, from `low` to `high`."""
+    """Place of a signal and meaning of its numbers: value = offset + scale * raw."""
 
     start: float  # lowest bit, counted from the lowest of byte 0
     length: float  # in bits, at most 32
@@ -52,12 +57,9 @@ class BitField:
 
 @compilable
 def raw_number(field: BitField, value: float) -> int:
-    """The whole number of steps nearest to a value, which saturates at the ends of its range like a transducer."""
+    """Nearest whole number of steps, which saturates at the ends of its range."""
     limited = min(max(value, field.low), field.high)
     return floor((limited - field.offset) * field.steps + 0.5)
-
-
-_SHARE = 1e-6  # of a step, by which a limit may miss it: 7500 rpm in rad/s and back is 7500 rpm
 
 
 @compilable
@@ -90,10 +92,6 @@ def byte_of(payload: int, place: int) -> int:
     return (payload >> (8 * place)) & 0xFF
 
 
-POLYNOMIAL = 0x1D
-_LONGEST = 10  # bytes: data id and data of a classic frame
-
-
 def _divided(byte: int) -> int:
     for _ in range(8):
         byte = (byte << 1) ^ (POLYNOMIAL if byte & 0x80 else 0)
@@ -101,12 +99,12 @@ def _divided(byte: int) -> int:
 
 
 def _remainders() -> bytes:
-    """By number of bytes behind it, and by byte, what a byte adds to the CRC, which is linear."""
+    """Parts of the CRC, which is linear, by the number of bytes behind a byte and by the byte."""
     first = [_divided(byte) for byte in range(256)]
     found = [first]
     for _ in range(_LONGEST - 1):
         found.append([first[crc] for crc in found[-1]])
-    return bytes(crc for row in found for crc in row)
+    return b"".join(map(bytes, found))
 
 
 # As bytes, which compiled code reads in one instruction.
@@ -115,18 +113,14 @@ _REMAINDERS = _remainders()
 
 @compilable
 def crc8_share(byte: int, behind: int) -> int:
-    """What a byte with so many bytes behind it adds to the CRC, by exclusive or, if the start value is 0."""
+    """Part of the CRC, by exclusive or, of a byte with so many bytes behind it."""
     return int(_REMAINDERS[(behind & 15) << 8 | byte])
-
-
-LONGEST = 8  # bytes of a classic frame
-COUNTERS = 15  # values of the counter; 15 itself means that it is invalid
 
 
 @compilable
 def checksum(payload: int, length: int, data_id: int) -> int:
     """The checksum that belongs into byte 0 of a payload of `length` bytes."""
-    if length == LONGEST:  # nearly all are so long, and the compiler unrolls a loop whose length it knows
+    if length == LONGEST:  # nearly all are so long, and the compiler unrolls a loop of known length
         return _checksum(payload, LONGEST, data_id)
     return _checksum(payload, length, data_id)
 
@@ -141,7 +135,7 @@ def _checksum(payload: int, length: int, data_id: int) -> int:
 
 @compilable
 def protected(payload: int, length: int, data_id: int, counter: int) -> int:
-    """The payload, whose guard bits are zero, with counter and checksum."""
+    """Payload with counter and checksum in its guard bits, which were zero."""
     counted = payload | (counter << 8)
     return counted | checksum(counted, length, data_id)
 

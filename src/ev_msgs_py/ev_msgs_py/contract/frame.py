@@ -1,7 +1,8 @@
-"""The frame: all signals of one instant in one row of float64, laid out once from the declared signals.
+"""Frame: all signals of one instant in one row of float64.
 
-The first number is the time. Then come the signals in the order in which their roles stand in `roles.ROLES`, those of
-optional roles last, field by field, wheel by wheel: the order that messages and recordings have as well.
+The first number is the time. Then come the signals in the order in which their roles stand in
+`roles.ROLES`, those of optional roles last, field by field, wheel by wheel: the order that messages
+and recordings have as well.
 """
 
 from __future__ import annotations
@@ -28,42 +29,52 @@ TIME = 0  # place of the time [s]
 _ENDS = tuple(accumulate((shape_of(signal).size for signal in RECORDED), initial=1))
 
 # Where the numbers of a signal stand in the frame.
-PLACES = {signal: slice(begin, end) for signal, begin, end in zip(RECORDED, _ENDS, _ENDS[1:], strict=False)}
+PLACES = {
+    signal: slice(begin, end)
+    for signal, begin, end in zip(RECORDED, _ENDS, _ENDS[1:], strict=False)
+}
 SIZE = _ENDS[-1]
+_EMPTY = array("d", bytes(SIZE * _DOUBLE))
+_TIME = struct.Struct("d")
 
 
 def places(signal: type) -> range:
-    """The places of the numbers of a signal, one by one."""
+    """Places of the numbers of a signal, one by one."""
     return range(PLACES[signal].start, PLACES[signal].stop)
 
 
 def span(signals: Iterable[type]) -> tuple[int, int]:
-    """Where the first of some signals begins in the frame, and the last one ends."""
+    """Begin of the first of some signals in the frame, and end of the last one."""
     found = [PLACES[signal] for signal in signals]
     return min(place.start for place in found), max(place.stop for place in found)
 
 
-# Of commands that are never negative, such as brake torques.
-UNSIGNED_COMMANDS = frozenset(
-    place.start + i for signal, place in PLACES.items() for i in shape_of(signal).unsigned_commands
-)
+def _unsigned_commands() -> frozenset[int]:
+    """Places of commands that are never negative, such as brake torques."""
+    found: set[int] = set()
+    for signal, place in PLACES.items():
+        found.update(place.start + i for i in shape_of(signal).unsigned_commands)
+    return frozenset(found)
+
+
+UNSIGNED_COMMANDS = _unsigned_commands()
 
 
 @cache
 def channels() -> Mapping[str, int]:
-    """The place of every recorded channel, such as wheel_states.velocity.front_left, in the frame."""
-    return MappingProxyType(
-        {name: place for signal in PLACES for name, place in zip(TOPICS[signal].channels, places(signal), strict=True)}
-    )
+    """Place in the frame of every recorded channel, such as wheel_states.velocity.front_left."""
+    found: dict[str, int] = {}
+    for signal in PLACES:
+        found.update(zip(TOPICS[signal].channels, places(signal), strict=True))
+    return MappingProxyType(found)
 
 
 def units() -> dict[str, str]:
-    """The unit of every recorded channel."""
-    return {
-        name: unit
-        for signal in PLACES
-        for name, unit in zip(TOPICS[signal].channels, shape_of(signal).units, strict=True)
-    }
+    """Unit of every recorded channel."""
+    found: dict[str, str] = {}
+    for signal in PLACES:
+        found.update(zip(TOPICS[signal].channels, shape_of(signal).units, strict=True))
+    return found
 
 
 def times(instants: int, period: int) -> np.ndarray:
@@ -72,17 +83,14 @@ def times(instants: int, period: int) -> np.ndarray:
 
 
 def stack(instants: int, period: int) -> np.ndarray:
-    """Empty frames of so many instants from time zero, `period` nanoseconds apart: (instants, size)."""
+    """Empty frames from time zero, `period` nanoseconds apart: (instants, size)."""
     frames = np.zeros((instants, SIZE))
     frames[:, TIME] = times(instants, period)
     return frames
 
 
-_EMPTY = array("d", bytes(SIZE * _DOUBLE))
-
-
 class Frame:
-    """One frame in memory: `numbers` is a view of it, as long as it lasts; compiled code finds it at `address`."""
+    """Frame in memory: `numbers` is a view of it, compiled code finds it at `address`."""
 
     __slots__ = ("address", "numbers")
 
@@ -93,7 +101,7 @@ class Frame:
 
     @classmethod
     def of(cls, row: np.ndarray) -> Frame:
-        """The frame whose numbers are a row of others, (size,), which lasts as long as the frame."""
+        """Frame on a row of numbers of others, (size,), which lasts as long as the frame."""
         found = cls.__new__(cls)
         found.address, found.numbers = row.ctypes.data, memoryview(row)  # type: ignore[arg-type]  # mypy knows no buffer of numpy
         return found
@@ -103,7 +111,9 @@ class Frame:
         """The frame that stands at an address."""
         found = cls.__new__(cls)
         found.address = address
-        found.numbers = memoryview((ctypes.c_char * (SIZE * _DOUBLE)).from_address(address)).cast("B").cast("d")
+        found.numbers = (
+            memoryview((ctypes.c_char * (SIZE * _DOUBLE)).from_address(address)).cast("B").cast("d")
+        )
         return found
 
     def copy(self, other: Frame, where: slice) -> None:
@@ -114,9 +124,6 @@ class Frame:
 def numbers_of(values: Sequence[float]) -> array[float]:
     """Numbers in the form that a part of a frame can be set to."""
     return array("d", values)
-
-
-_TIME = struct.Struct("d")
 
 
 def time_in(numbers: memoryview[float]) -> float:

@@ -1,9 +1,11 @@
-"""Signals that only some graphs have: drives in speed mode, actuators, motors and cells, the test bench, its CAN bus.
+"""Signals that only some graphs have, such as those of drives in speed mode and the bench.
 
-Each payload of the bus is two words of 32 bits, which a float64 holds exactly; -1: no frame. A period has a place for
-each tick of 1 ms, of which the first ones are used; what comes less often has one place.
+Each payload of the bus is two words of 32 bits, which a float64 holds exactly; -1: no frame. A
+period has a place for each tick of 1 ms, of which the first ones are used; what comes less often
+has one place.
 """
 
+from itertools import chain
 from typing import Annotated, Any, NamedTuple
 
 from ev_msgs_py.contract.fields import Field, leftward, magnitude
@@ -20,7 +22,10 @@ def _halves(name: str, frame: str) -> list[tuple[str, Any]]:
 
 
 def _set_points(device: str) -> list[tuple[str, Any]]:
-    return [field for tick in range(MOST_TICKS) for field in _halves(f"{device}_{tick}", f"{device}_set_point_{tick}")]
+    found = []
+    for tick in range(MOST_TICKS):
+        found += _halves(f"{device}_{tick}", f"{device}_set_point_{tick}")
+    return found
 
 
 def _heartbeat(circuit: str) -> tuple[str, Any]:
@@ -32,11 +37,11 @@ def _heartbeat(circuit: str) -> tuple[str, Any]:
 def _feedback(device: str) -> list[tuple[str, Any]]:
     names = [f"{device}_motion_{tick}" for tick in range(MOST_TICKS)]
     names += [f"{device}_{kind}" for kind in ("electrical", "temperatures", "faults")]
-    return [field for name in names for field in _halves(name, name)]
+    return list(chain.from_iterable(_halves(name, name) for name in names))
 
 
 def _signal(name: str, *fields: list[tuple[str, Any]]) -> Any:
-    return NamedTuple(name, [field for some in fields for field in some])
+    return NamedTuple(name, list(chain.from_iterable(fields)))
 
 
 _SET_POINTS: Any = _signal(
@@ -45,29 +50,39 @@ _SET_POINTS: Any = _signal(
     [_heartbeat("11"), _heartbeat("12")],
     *map(_set_points, ("load_11", "load_12")),
 )
-_FEEDBACK: Any = _signal("FeedbackFrames", *map(_feedback, ("drive_11", "drive_12", "load_11", "load_12")))
+_FEEDBACK: Any = _signal(
+    "FeedbackFrames", *map(_feedback, ("drive_11", "drive_12", "load_11", "load_12"))
+)
 
 
 class SetPointFrames(_SET_POINTS):  # type: ignore[misc]  # its fields are made above
-    """What the controller puts on the bus in the ticks from this instant on."""
+    """Frames that the controller puts on the bus in the ticks from this instant on."""
 
     __slots__ = ()
 
 
 class FeedbackFrames(_FEEDBACK):  # type: ignore[misc]  # its fields are made above
-    """What has arrived at the controller in the ticks before this instant."""
+    """Frames that have arrived at the controller in the ticks before this instant."""
 
     __slots__ = ()
 
 
 class BusStates(NamedTuple):
-    """What the two channels have carried, right circuit and left."""
+    """Load of the two channels, right circuit and left."""
 
-    load_11: Annotated[float, Field("1", "share of the last period in which it was busy", "bus_11.position")]
-    latency_11: Annotated[float, Field("s", "longest from release to arrival in the last period", "bus_11.velocity")]
+    load_11: Annotated[
+        float, Field("1", "share of the last period in which it was busy", "bus_11.position")
+    ]
+    latency_11: Annotated[
+        float, Field("s", "longest from release to arrival in the last period", "bus_11.velocity")
+    ]
     lost_11: Annotated[float, Field("1", "frames lost since the start", "bus_11.effort")]
-    load_12: Annotated[float, Field("1", "share of the last period in which it was busy", "bus_12.position")]
-    latency_12: Annotated[float, Field("s", "longest from release to arrival in the last period", "bus_12.velocity")]
+    load_12: Annotated[
+        float, Field("1", "share of the last period in which it was busy", "bus_12.position")
+    ]
+    latency_12: Annotated[
+        float, Field("s", "longest from release to arrival in the last period", "bus_12.velocity")
+    ]
     lost_12: Annotated[float, Field("1", "frames lost since the start", "bus_12.effort")]
 
 
@@ -77,7 +92,7 @@ def _temperature(about: str, place: str, sensor: str = "bench_temperature") -> F
 
 
 class WheelSpeedCommand(NamedTuple):
-    """Set-points of drives in speed mode; the torque command is the largest torque that they may use to get there."""
+    """Speed set-points of drives, within the torque of the torque command."""
 
     speed: Annotated[Wheels, Field("rad/s", "of the wheel, forwards positive", "{wheel}.velocity")]
 
@@ -85,70 +100,118 @@ class WheelSpeedCommand(NamedTuple):
 class RearSteeringState(NamedTuple):
     """The steered rear wheels, the motor that turns them, and what it takes."""
 
-    angle: Annotated[float, leftward("rad", "of both rear wheels", "rear_wheels.position", "rear_wheel_angle", 1.0)]
-    rate: Annotated[float, leftward("rad/s", "of both rear wheels", "rear_wheels.velocity", "rear_wheel_rate", 10.0)]
+    angle: Annotated[
+        float,
+        leftward("rad", "of both rear wheels", "rear_wheels.position", "rear_wheel_angle", 1.0),
+    ]
+    rate: Annotated[
+        float,
+        leftward("rad/s", "of both rear wheels", "rear_wheels.velocity", "rear_wheel_rate", 10.0),
+    ]
     motor_speed: Annotated[
         float,
-        leftward("rad/s", "of the shaft of the steering motor", "steering_motor.velocity", "steering_motor_speed", 1e3),
+        leftward(
+            "rad/s",
+            "of the shaft of the steering motor",
+            "steering_motor.velocity",
+            "steering_motor_speed",
+            1e3,
+        ),
     ]
     motor_torque: Annotated[
         float,
-        leftward("N m", "at the shaft of the steering motor", "steering_motor.effort", "steering_motor_torque", 100.0),
+        leftward(
+            "N m",
+            "at the shaft of the steering motor",
+            "steering_motor.effort",
+            "steering_motor_torque",
+            100.0,
+        ),
     ]
     power: Annotated[
-        float, Field("W", "from the supply, mean over the last period", "supply.effort", "supply_power", 1e5)
+        float,
+        Field(
+            "W", "from the supply, mean over the last period", "supply.effort", "supply_power", 1e5
+        ),
     ]
 
 
 class MotorElectrics(NamedTuple):
-    """Phase current and voltage of the motor of each wheel, rms, and its power; zero where there is none.
+    """Phase current and voltage, rms, and power of the motor of each wheel; zero without one.
 
     Through and across, as in bond graphs: what drives is the effort, what flows the velocity.
     """
 
-    current: Annotated[Wheels, Field("A", "of a phase, rms", "{wheel}_phase.velocity", "motor_current", 1e3)]
-    voltage: Annotated[Wheels, Field("V", "phase to neutral, rms", "{wheel}_phase.effort", "motor_voltage", 1e3)]
-    power: Annotated[Wheels, Field("W", "from the DC link", "{wheel}_dc_link.effort", "motor_power", 1e6)]
+    current: Annotated[
+        Wheels, Field("A", "of a phase, rms", "{wheel}_phase.velocity", "motor_current", 1e3)
+    ]
+    voltage: Annotated[
+        Wheels, Field("V", "phase to neutral, rms", "{wheel}_phase.effort", "motor_voltage", 1e3)
+    ]
+    power: Annotated[
+        Wheels, Field("W", "from the DC link", "{wheel}_dc_link.effort", "motor_power", 1e6)
+    ]
 
 
 class MotorTemperatures(NamedTuple):
-    """Temperatures of motor, inverter and coolant of each wheel, as efforts; zero where there is no motor."""
+    """Temperatures of motor, inverter and coolant of each wheel, as efforts; zero without one."""
 
-    winding: Annotated[Wheels, _temperature("of the winding", "{wheel}_winding.effort", "winding_temperature")]
-    inverter: Annotated[Wheels, _temperature("of the power stage", "{wheel}_inverter.effort", "inverter_temperature")]
-    coolant_inlet: Annotated[Wheels, _temperature("into both", "{wheel}_coolant_inlet.effort", "coolant_temperature")]
+    winding: Annotated[
+        Wheels, _temperature("of the winding", "{wheel}_winding.effort", "winding_temperature")
+    ]
+    inverter: Annotated[
+        Wheels,
+        _temperature("of the power stage", "{wheel}_inverter.effort", "inverter_temperature"),
+    ]
+    coolant_inlet: Annotated[
+        Wheels, _temperature("into both", "{wheel}_coolant_inlet.effort", "coolant_temperature")
+    ]
     coolant_outlet: Annotated[
         Wheels, _temperature("out of both", "{wheel}_coolant_outlet.effort", "coolant_temperature")
     ]
     coolant_flow: Annotated[
-        Wheels, Field("l/min", "through both", "{wheel}_coolant_inlet.velocity", "coolant_flow", 100.0)
+        Wheels,
+        Field("l/min", "through both", "{wheel}_coolant_inlet.velocity", "coolant_flow", 100.0),
     ]
 
 
 class CellCondition(NamedTuple):
     """One cell of the traction battery, in the single precision that BatteryState carries."""
 
-    voltage: Annotated[float, magnitude("V", "at its terminals", "voltage", "cell_voltage", 1.0, single_precision=True)]
+    voltage: Annotated[
+        float,
+        magnitude("V", "at its terminals", "voltage", "cell_voltage", 1.0, single_precision=True),
+    ]
     temperature: Annotated[
-        float, Field("degC", "of the cells", "temperature", "cell_temperature", 100.0, single_precision=True)
+        float,
+        Field(
+            "degC", "of the cells", "temperature", "cell_temperature", 100.0, single_precision=True
+        ),
     ]
 
 
 class LoadCommand(NamedTuple):
-    """What the virtual car, or a constant in its place, asks of the load machines of a test bench, at their shafts."""
+    """Demand of the virtual car, or a constant, on the load machines of a test bench."""
 
-    mode: Annotated[Wheels, Field("1", "1: the torque is controlled, 2: the speed is", "{wheel}.position")]
+    mode: Annotated[
+        Wheels, Field("1", "1: the torque is controlled, 2: the speed is", "{wheel}.position")
+    ]
     speed: Annotated[Wheels, Field("rad/s", "of the shaft, forwards positive", "{wheel}.velocity")]
     torque: Annotated[
-        Wheels, Field("N m", "of road and brake on the shaft, positive against forwards", "{wheel}.effort")
+        Wheels,
+        Field("N m", "of road and brake on the shaft, positive against forwards", "{wheel}.effort"),
     ]
 
 
 class BenchShafts(NamedTuple):
-    """Each circuit of a test bench: set-point, machine under test, transducer in the shaft, load machine."""
+    """Circuits of a test bench: set-point, machine under test, transducer, load machine."""
 
-    set_point: Annotated[Wheels, Field("N m", "that the inverter follows now", "{wheel}_set_point.effort")]
-    machine_torque: Annotated[Wheels, Field("N m", "of the machine under test, mean", "{wheel}_machine.effort")]
+    set_point: Annotated[
+        Wheels, Field("N m", "that the inverter follows now", "{wheel}_set_point.effort")
+    ]
+    machine_torque: Annotated[
+        Wheels, Field("N m", "of the machine under test, mean", "{wheel}_machine.effort")
+    ]
     torque: Annotated[
         Wheels,
         Field(
@@ -160,36 +223,60 @@ class BenchShafts(NamedTuple):
         ),
     ]
     speed: Annotated[
-        Wheels, Field("rad/s", "that the transducer measures", "{wheel}_transducer.velocity", "bench_speed", 1e3)
+        Wheels,
+        Field(
+            "rad/s",
+            "that the transducer measures",
+            "{wheel}_transducer.velocity",
+            "bench_speed",
+            1e3,
+        ),
     ]
-    load_torque: Annotated[Wheels, Field("N m", "of the load machine, forwards positive, mean", "{wheel}_load.effort")]
+    load_torque: Annotated[
+        Wheels, Field("N m", "of the load machine, forwards positive, mean", "{wheel}_load.effort")
+    ]
     load_speed: Annotated[
-        Wheels, Field("rad/s", "of the load machine", "{wheel}_load.velocity", "bench_load_speed", 1e3)
+        Wheels,
+        Field("rad/s", "of the load machine", "{wheel}_load.velocity", "bench_load_speed", 1e3),
     ]
 
 
 class BenchElectrical(NamedTuple):
-    """DC side of the inverters of a test bench, as means over the last period; currents from the supply."""
+    """DC side of a bench's inverters, as means over the last period; currents from the supply."""
 
     voltage: Annotated[
-        Wheels, magnitude("V", "of the machine under test", "{wheel}_voltage.effort", "bench_voltage", 1e3)
+        Wheels,
+        magnitude("V", "of the machine under test", "{wheel}_voltage.effort", "bench_voltage", 1e3),
     ]
     load_voltage: Annotated[
-        Wheels, magnitude("V", "of the load machine", "{wheel}_load_voltage.effort", "bench_voltage", 1e3)
+        Wheels,
+        magnitude("V", "of the load machine", "{wheel}_load_voltage.effort", "bench_voltage", 1e3),
     ]
-    current: Annotated[Wheels, Field("A", "of the machine under test", "{wheel}_current.effort", "bench_current", 1e3)]
+    current: Annotated[
+        Wheels,
+        Field("A", "of the machine under test", "{wheel}_current.effort", "bench_current", 1e3),
+    ]
     load_current: Annotated[
-        Wheels, Field("A", "of the load machine", "{wheel}_load_current.effort", "bench_current", 1e3)
+        Wheels,
+        Field("A", "of the load machine", "{wheel}_load_current.effort", "bench_current", 1e3),
     ]
 
 
 class BenchTemperatures(NamedTuple):
-    """What the thermocouples of a test bench show: coolant of each machine, and the rotor under test."""
+    """Thermocouples of a test bench: coolant of each machine, and the rotor under test."""
 
-    coolant_in: Annotated[Wheels, _temperature("of the machine under test, inlet", "{wheel}_coolant_in.effort")]
-    coolant_out: Annotated[Wheels, _temperature("of the machine under test, outlet", "{wheel}_coolant_out.effort")]
-    load_coolant_in: Annotated[Wheels, _temperature("of the load machine, inlet", "{wheel}_load_coolant_in.effort")]
-    load_coolant_out: Annotated[Wheels, _temperature("of the load machine, outlet", "{wheel}_load_coolant_out.effort")]
+    coolant_in: Annotated[
+        Wheels, _temperature("of the machine under test, inlet", "{wheel}_coolant_in.effort")
+    ]
+    coolant_out: Annotated[
+        Wheels, _temperature("of the machine under test, outlet", "{wheel}_coolant_out.effort")
+    ]
+    load_coolant_in: Annotated[
+        Wheels, _temperature("of the load machine, inlet", "{wheel}_load_coolant_in.effort")
+    ]
+    load_coolant_out: Annotated[
+        Wheels, _temperature("of the load machine, outlet", "{wheel}_load_coolant_out.effort")
+    ]
     rotor: Annotated[Wheels, _temperature("of the machine under test", "{wheel}_rotor.effort")]
 
 
@@ -198,19 +285,29 @@ def _flow(about: str, place: str) -> Field:
 
 
 class BenchCoolant(NamedTuple):
-    """What the flow sensors in the coolant loops of a test bench show; motor and inverter share a loop."""
+    """Flow sensors in the coolant loops of a test bench; motor and inverter share a loop."""
 
     flow: Annotated[Wheels, _flow("of the machine under test", "{wheel}_coolant.velocity")]
     load_flow: Annotated[Wheels, _flow("of the load machine", "{wheel}_load_coolant.velocity")]
 
 
 class BenchEnergy(NamedTuple):
-    """Where the energy of a test bench came from and went to since the start, truth without sensors."""
+    """Energy flows of a test bench since the start, true, without sensors."""
 
-    battery: Annotated[float, Field("J", "given at the battery's terminals to the machines", "battery.effort")]
+    battery: Annotated[
+        float, Field("J", "given at the battery's terminals to the machines", "battery.effort")
+    ]
     mains: Annotated[float, Field("J", "taken from the mains by the load machines", "mains.effort")]
-    resistor: Annotated[float, Field("J", "that the load machines gave to the load resistor", "resistor.effort")]
-    machines: Annotated[float, Field("J", "heat of the machines under test and their inverters", "machines.effort")]
-    loads: Annotated[float, Field("J", "heat of the load machines and their inverters", "loads.effort")]
-    shafts: Annotated[float, Field("J", "heat of damping and friction of the shafts", "shafts.effort")]
+    resistor: Annotated[
+        float, Field("J", "that the load machines gave to the load resistor", "resistor.effort")
+    ]
+    machines: Annotated[
+        float, Field("J", "heat of the machines under test and their inverters", "machines.effort")
+    ]
+    loads: Annotated[
+        float, Field("J", "heat of the load machines and their inverters", "loads.effort")
+    ]
+    shafts: Annotated[
+        float, Field("J", "heat of damping and friction of the shafts", "shafts.effort")
+    ]
     stored: Annotated[float, Field("J", "in rotating and twisted shafts, now", "stored.effort")]

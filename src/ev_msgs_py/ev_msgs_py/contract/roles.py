@@ -1,18 +1,45 @@
 """The graph, declared once: what each node reads and writes.
 
-The offline runner orders the roles by this table, the nodes make their publishers and subscriptions from it, and
-the graph in docs/topics.md is drawn from it.
+The offline runner orders the roles by this table, the nodes make their publishers and subscriptions
+from it, and the graph in docs/topics.md is drawn from it.
 """
 
 from dataclasses import dataclass
 from enum import Enum
+from itertools import chain
 
 from ev_msgs_py.contract import optional_signals as optional
 from ev_msgs_py.contract import signals
 
+# In the order of publishing: first the inputs of the driver, with which every step begins.
+_BODY = (
+    signals.WheelStates,
+    signals.BodyVelocity,
+    signals.BodyPose,
+    signals.InertialMeasurement,
+    signals.MotorStates,
+    signals.BatteryCondition,
+)
+_ELECTRICAL = (optional.MotorElectrics, optional.MotorTemperatures, optional.CellCondition)
+# The test sequence of the bench, in order: first the object of control is chosen.
+BENCH_SERVICES = (
+    "choose_both",
+    "choose_right",
+    "choose_left",
+    "connect",
+    "load_model",
+    "start",
+    "siemens_rev_0",
+    "disconnect",
+    "emergency_stop",
+)
+MASTER = "plant"
+RECORDER = "recorder"  # a node that plays no role
+RECORDER_WRITES = signals.RecorderProgress
+
 
 class RoleKind(Enum):
-    """How the output of a role for the instant t_k depends on what it reads."""
+    """Dependence of the output of a role for the instant t_k on what it reads."""
 
     ANSWERS = "its output at t_k follows at once from what it reads at t_k"
     INTEGRATES = "its output at t_k follows from what it read up to t_k-1; it has an initial state"
@@ -20,12 +47,13 @@ class RoleKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Role:
-    """What a node reads and writes, not how it does it.
+    """Signals that a node reads and writes.
 
-    `default_method` plays the role where no parameter names another; a role that is `optional` is played only where a
-    parameter chooses its method. A method reads only what it uses, and a plant model writes only what it can know
-    (`writes` is what it may write). What a role `offers` is written only by methods that declare it. Its `services`
-    are std_srvs/Trigger, below the name of its node.
+    `default_method` plays the role where no parameter names another; a role that is `optional` is
+    played only where a parameter chooses its method. A method reads only what it uses, and a plant
+    model writes only what it can know (`writes` is what it may write). What a role `offers` is
+    written only by methods that declare it. Its `services` are std_srvs/Trigger, below the name of
+    its node.
     """
 
     name: str
@@ -42,30 +70,6 @@ class Role:
         """All that a method of this role may write."""
         return (*self.writes, *self.offers)
 
-
-# In the order of publishing: first the inputs of the driver, with which every step begins.
-_BODY = (
-    signals.WheelStates,
-    signals.BodyVelocity,
-    signals.BodyPose,
-    signals.InertialMeasurement,
-    signals.MotorStates,
-    signals.BatteryCondition,
-)
-_ELECTRICAL = (optional.MotorElectrics, optional.MotorTemperatures, optional.CellCondition)
-
-# The test sequence of the bench, in order: first the object of control is chosen.
-BENCH_SERVICES = (
-    "choose_both",
-    "choose_right",
-    "choose_left",
-    "connect",
-    "load_model",
-    "start",
-    "siemens_rev_0",
-    "disconnect",
-    "emergency_stop",
-)
 
 ROLES = {
     role.name: role
@@ -87,7 +91,12 @@ ROLES = {
         Role(
             "steering_column",
             RoleKind.INTEGRATES,
-            reads=(signals.DriverCommand, signals.WheelStates, signals.TireForces, signals.BodyVelocity),
+            reads=(
+                signals.DriverCommand,
+                signals.WheelStates,
+                signals.TireForces,
+                signals.BodyVelocity,
+            ),
             writes=(signals.SteeringColumnState,),
             default_method="powered",
         ),
@@ -102,7 +111,12 @@ ROLES = {
         Role(
             "test_bench",
             RoleKind.INTEGRATES,
-            reads=(signals.WheelTorqueCommand, optional.SetPointFrames, optional.LoadCommand, signals.BatteryCondition),
+            reads=(
+                signals.WheelTorqueCommand,
+                optional.SetPointFrames,
+                optional.LoadCommand,
+                signals.BatteryCondition,
+            ),
             writes=(
                 optional.BenchShafts,
                 optional.BenchElectrical,
@@ -147,7 +161,12 @@ ROLES = {
         Role(
             "inverter_gateway",
             RoleKind.ANSWERS,
-            reads=(signals.WheelTorqueCommand, optional.LoadCommand, optional.FeedbackFrames, optional.BenchShafts),
+            reads=(
+                signals.WheelTorqueCommand,
+                optional.LoadCommand,
+                optional.FeedbackFrames,
+                optional.BenchShafts,
+            ),
             writes=(optional.SetPointFrames,),
             default_method="can",
             optional=True,
@@ -155,19 +174,17 @@ ROLES = {
     )
 }
 
-MASTER = "plant"
 REQUIRED = tuple(name for name, role in ROLES.items() if not role.optional)
 
-INTEGRATED = frozenset(signal for role in ROLES.values() if role.kind is RoleKind.INTEGRATES for signal in role.writes)
-_OFFERED = tuple(signal for role in ROLES.values() for signal in role.offers)
-_ALL = (*_OFFERED, *(signal for role in ROLES.values() for signal in role.writes))
-# Those that no role that is always played writes, or none reads.
-EXTRA = frozenset(_ALL) - (
-    {signal for name in REQUIRED for signal in ROLES[name].writes}
-    & {signal for name in REQUIRED for signal in ROLES[name].reads}
-)
-# What is only offered, what only optional roles write or read, or nobody reads, comes last: a frame without it is as
-# short as if there were none of it.
+_INTEGRATING = [role for role in ROLES.values() if role.kind is RoleKind.INTEGRATES]
+INTEGRATED = frozenset(chain.from_iterable(role.writes for role in _INTEGRATING))
+_OFFERED = chain.from_iterable(role.offers for role in ROLES.values())
+_WRITTEN = chain.from_iterable(role.writes for role in ROLES.values())
+_ALL = (*_OFFERED, *_WRITTEN)
+_ALWAYS = [ROLES[name] for name in REQUIRED]
+_ALWAYS_WRITTEN = set(chain.from_iterable(role.writes for role in _ALWAYS))
+_ALWAYS_READ = set(chain.from_iterable(role.reads for role in _ALWAYS))
+# Signals that no role that is always played writes, or none reads. They come last in a frame: one
+# without them is as short as if they did not exist.
+EXTRA = frozenset(_ALL) - (_ALWAYS_WRITTEN & _ALWAYS_READ)
 RECORDED = tuple(sorted(_ALL, key=lambda signal: signal in EXTRA))
-RECORDER = "recorder"  # a node that plays no role
-RECORDER_WRITES = signals.RecorderProgress

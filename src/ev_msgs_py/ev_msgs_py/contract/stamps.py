@@ -1,10 +1,11 @@
-"""Stamps as whole nanoseconds: the only representation of time in which steps can be compared exactly."""
+"""Stamps as whole nanoseconds, in which steps can be compared exactly."""
 
 from typing import Any
 
 NANOSECONDS = 1_000_000_000
-# The n-th run after a reset has stamps of n RUN above its instants, and below RUNS; no control period is shorter.
-RUN = 10  # ns; who works a stamp out in seconds may be 1 ns off, which is no other run
+# The n-th run after a reset has stamps of n RUN above its instants, and below RUNS; no control
+# period is shorter.
+RUN = 10  # ns; a stamp that was computed in seconds may be 1 ns off, which is no other run
 RUNS = 100_000  # ns
 LAST_EXACT = 1 << 53  # ns; stamps above it, of more than a hundred days, are no exact float64
 

@@ -1,6 +1,7 @@
 """The one topic table: relative name, signal, message and frame of reference.
 
-Names are relative, so that scenario scripts can put several cars side by side, each in its own namespace.
+Names are relative, so that scenario scripts can put several cars side by side, each in its own
+namespace.
 """
 
 from dataclasses import dataclass
@@ -9,8 +10,8 @@ from ev_msgs_py.contract import optional_signals as optional
 from ev_msgs_py.contract import signals
 from ev_msgs_py.contract.fields import Shape, shape_of
 
-# Reliable, volatile, keep last. The recorder may lag 200 steps (see lockstep.md); a writer keeps more than that, so
-# nothing that the recorder has not acknowledged is ever overwritten.
+# Reliable, volatile, keep last. The recorder may lag 200 steps (see lockstep.md); a writer keeps
+# more than that, so nothing that the recorder has not acknowledged is ever overwritten.
 QUEUE_DEPTH = 256
 
 JOINT_STATE = "sensor_msgs/msg/JointState"

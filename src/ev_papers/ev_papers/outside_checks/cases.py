@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ev_control.torque_vectoring.reference import (
-    UNDERSTEER,
+    Bend,
+    Reference,
     ReferenceParameters,
     ReferenceState,
     wanted_motion,
@@ -241,18 +242,11 @@ def tracking_error(recording: Recording, vehicle: Vehicle) -> float:
     wanted = np.zeros_like(speed)
     for n in range(len(speed)):
         if abs(speed[n]) > 1.0:
-            wanted[n] = wanted_motion(
-                ReferenceParameters(),
-                vehicle,
-                state,
-                period,
-                UNDERSTEER,
-                speed[n],
-                angle[n],
-                grip[n],
-                0.0,
-                0.0,
-            ).yaw_rate
+            bend = Bend(speed[n], angle[n], grip[n], 0.0, 0.0)
+            found = wanted_motion(
+                ReferenceParameters(), vehicle, state, period, Reference.UNDERSTEER, bend
+            )
+            wanted[n] = found.yaw_rate
     error = channel(recording, motion.YAW_RATE) - wanted
     return float(np.sqrt(np.mean(error**2)))
 
