@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from source_runs import driven
+from helpers.source_runs import driven
 
 from documentation.markdown import block_names, built, built_names, table, with_blocks
 from documentation.pages import stale_pages

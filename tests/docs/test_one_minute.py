@@ -22,7 +22,7 @@ LAWS = [
 def test_a_law_has_a_file_a_test_and_a_place_in_the_documentation(role, method):
     module = method.documented.__module__
     assert module.startswith(f"ev_control.{role}.")
-    file, test = f"/{module.rpartition('.')[2]}.py`", f"tests/laws/test_{method.name}.py"
+    file, test = f"/{module.rpartition('.')[2]}.py`", f"tests/ev_control/laws/test_{method.name}.py"
     assert (ROOT / test).exists()
     named = [line for line in PAGES.splitlines() if test in line and method.name in line]
     assert any(file in line for line in named), f"no line names {test} and the file of the law, {module}"

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-FILE = "tests/export/test_on_processor.py"
+FILE = "tests/ev_doors/export/test_on_processor.py"
 CASE = "test_a_law_of_each_source_leaves_the_signals_as_they_are"
 SOURCES = ["shchur2019", "ge_ni2005", "tatar_chudzik", "urban_mixed", "zhileykin2018"]
 

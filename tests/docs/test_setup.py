@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 import uv_as_pip
-from patience import wait_until
+from helpers.patience import wait_until
 
 from ev_stack.running.beforehand import compile_for
 from ev_stack.scenarios.scenario import load_scenario

@@ -4,8 +4,8 @@ import re
 from pathlib import Path
 
 import pytest
-from judging import drive_here
-from source_runs import driven
+from helpers.judging import drive_here
+from helpers.source_runs import driven
 
 from documentation.scenario_results import SCENARIO_PAGES, results_of, study_table
 from ev_study.studies.run_study import arguments

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from judging import driven
+from helpers.judging import driven
 
 from documentation.measured import is_long, read_measured, sample
 from documentation.verdict_tables import COUNTS, FILE, PAGE, count_table, kept, row

@@ -1,6 +1,9 @@
 """Compiled code as Python calls it: the instants of a run in one loop, and single functions.
 
-Where the loop is on disk it is loaded without numba, whose import takes longer than a short run.
+How it works: each part is a C function with its state and its constants, by their addresses. At each instant those that
+answer are called one behind the other with the frame of the instant, then those that integrate, which write into the
+frame of the next one. The loop ends where a part fails, or writes a number that is not finite. Where it is on disk it
+is loaded without numba: importing numba takes longer than a short run.
 """
 
 from __future__ import annotations
@@ -9,7 +12,7 @@ import inspect
 from collections.abc import Callable
 from ctypes import CFUNCTYPE, c_int32, c_int64, c_void_p
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +24,17 @@ from ev_msgs_py.contract.frame import TIME
 FINISHED, NOT_FINITE, FAILED = range(3)
 
 _EXPONENT = 0x7FF0000000000000  # of a float64: all ones in what is infinite or no number
+
+
+class Parts(NamedTuple):
+    """Parts of a run, as the loop calls them.
+
+    `rows` has a row of integers for each part: addresses of its function, its state and its constants, begin and end of
+    the numbers that it writes. The first `answering` parts answer, the others integrate.
+    """
+
+    rows: np.ndarray
+    answering: int
 
 
 @compilable
@@ -37,58 +51,61 @@ def _is_finite(bits: np.ndarray, at: int, begin: int, end: int) -> bool:
 
 @compilable
 def _drive_instant(
-    frames: np.ndarray,
-    here: int,
-    there: int,
-    begin: int,
-    end: int,
-    parts: np.ndarray,
-    answering: int,
-    stopped: np.ndarray,
+    frames: np.ndarray, here: int, there: int, which: tuple[int, int], parts: Parts, stopped: np.ndarray
 ) -> int:
-    """Let the parts begin..end-1 answer in the frame `here`, or integrate from there to that in `there`."""
+    """Let parts, from the first of `which` up to the second, answer in frame `here`, or integrate to frame `there`."""
     width = frames.shape[1] * 8
     base, bits = frames.ctypes.data, frames.view(np.int64)
-    for i in range(begin, end):
-        at = here if i < answering else there
-        status = call(parts[i, 0], base + here * width, base + at * width, parts[i, 1], parts[i, 2])
+    for i in range(which[0], which[1]):
+        row = parts.rows[i]
+        at = here if i < parts.answering else there
+        status = call(row[0], base + here * width, base + at * width, row[1], row[2])
         stopped[0], stopped[1] = at, i
         if status != 0:
             return FAILED
-        if not _is_finite(bits, at, parts[i, 3], parts[i, 4]):
+        if not _is_finite(bits, at, row[3], row[4]):
             return NOT_FINITE
     return FINISHED
 
 
 @compilable
-def _drive_instants(
-    frames: np.ndarray, first: int, last: int, final: bool, parts: np.ndarray, answering: int, stopped: np.ndarray
-) -> int:
+def _drive_instants(frames: np.ndarray, first: int, last: int, final: bool, parts: Parts, stopped: np.ndarray) -> int:
     for n in range(first, last + int(final)):
-        end = answering if n == last else parts.shape[0]
-        status = _drive_instant(frames, n, n + 1, 0, end, parts, answering, stopped)
+        end = parts.answering if n == last else len(parts.rows)
+        status = _drive_instant(frames, n, n + 1, (0, end), parts, stopped)
         if status != FINISHED:
             return status
     return FINISHED
 
 
 @compilable
+def _start(frames: np.ndarray, parts: Parts, stopped: np.ndarray) -> int:
+    """Let the parts that integrate write their initial outputs into the first frame."""
+    for i in range(parts.answering, len(parts.rows)):
+        row = parts.rows[i]
+        stopped[0], stopped[1], stopped[2] = 0, i, 0
+        if call(row[0], 0, frames.ctypes.data, row[1], row[2]) != 0:
+            return FAILED
+        if not _is_finite(frames.view(np.int64), 0, row[3], row[4]):
+            return NOT_FINITE
+    return FINISHED
+
+
+@compilable
 def _drive_through(
-    frames: np.ndarray, times: np.ndarray, first: int, last: int, parts: np.ndarray, answering: int, stopped: np.ndarray
+    frames: np.ndarray, times: np.ndarray, first: int, last: int, parts: Parts, stopped: np.ndarray
 ) -> int:
     if first == 0:
-        for i in range(answering, parts.shape[0]):
-            stopped[0], stopped[1], stopped[2] = 0, i, 0
-            if call(parts[i, 0], 0, frames.ctypes.data, parts[i, 1], parts[i, 2]) != 0:
-                return FAILED
-            if not _is_finite(frames.view(np.int64), 0, parts[i, 3], parts[i, 4]):
-                return NOT_FINITE
+        status = _start(frames, parts, stopped)
+        if status != FINISHED:
+            return status
     for n in range(first, last + 1):
         here, there = n % 2, (n + 1) % 2
         frames[here, TIME], frames[there, TIME] = times[n], times[min(n + 1, last)]
-        begin = answering if n == first > 0 else 0  # all have answered there
-        end = answering if n == last else parts.shape[0]
-        status = _drive_instant(frames, here, there, begin, end, parts, answering, stopped)
+        # At the instant where the call before has ended all have answered already.
+        begin = parts.answering if n == first > 0 else 0
+        end = parts.answering if n == last else len(parts.rows)
+        status = _drive_instant(frames, here, there, (begin, end), parts, stopped)
         if status != FINISHED:
             stopped[2] = stopped[0]
             stopped[0] = n if stopped[2] == here else n + 1
@@ -113,12 +130,11 @@ def step(frames, instants, width, first, last, final, parts, count, answering, s
         first,
         last,
         final != 0,
-        carray(parts, (count, 5), np.int64),
-        answering,
+        Parts(carray(parts, (count, 5), np.int64), answering),
         carray(stopped, 2, np.int64),
     )
 ''',
-    {"drive": _drive_instants},
+    {"drive": _drive_instants, "Parts": Parts},
 )
 _THROUGH = Code(
     "run_through",
@@ -137,12 +153,11 @@ def step(frames, width, times, first, last, parts, count, answering, stopped):
         carray(times, last + 1, np.float64),
         first,
         last,
-        carray(parts, (count, 5), np.int64),
-        answering,
+        Parts(carray(parts, (count, 5), np.int64), answering),
         carray(stopped, 3, np.int64),
     )
 ''',
-    {"drive": _drive_through},
+    {"drive": _drive_through, "Parts": Parts},
 )
 LOOPS = (_INSTANTS, _THROUGH)  # that are to be compiled before something is driven
 
@@ -161,31 +176,29 @@ def _through() -> Any:
     return CFUNCTYPE(c_int32, *kinds)(_THROUGH.address())
 
 
-def run_instants(
-    frames: np.ndarray, first: int, last: int, final: bool, parts: np.ndarray, answering: int, stopped: np.ndarray
-) -> int:
+def run_instants(frames: np.ndarray, first: int, last: int, final: bool, parts: Parts, stopped: np.ndarray) -> int:
     """Let the parts answer at the instants first..last-1 and integrate from each of them to the next one.
 
-    `frames` of shape (instants, frame size) begin at the first instant; at a `final` last one all answer, too. `parts`
-    has a row for each part: addresses of its function, its state and its constants, begin and end of what it writes;
-    first those that answer, `answering` of them. All arrays are contiguous, those of integers int64. Returns FINISHED;
-    or NOT_FINITE or FAILED, with instant and part in `stopped`, and then nothing behind that has been done.
+    `frames` of shape (instants, frame size) begin at the first instant; at a `final` last one all answer, too. All
+    arrays are contiguous, those of integers int64. Returns FINISHED; or NOT_FINITE or FAILED, with instant and part in
+    `stopped`, and then nothing behind that has been done.
     """
-    at, rows, stop = frames.ctypes.data, parts.ctypes.data, stopped.ctypes.data
-    status: int = _instants()(at, *frames.shape, first, last, final, rows, len(parts), answering, stop)
+    at, rows, stop = frames.ctypes.data, parts.rows.ctypes.data, stopped.ctypes.data
+    run = _instants()
+    status: int = run(at, *frames.shape, first, last, final, rows, len(parts.rows), parts.answering, stop)
     return status
 
 
-def run_through(
-    frames: np.ndarray, times: np.ndarray, first: int, last: int, parts: np.ndarray, answering: int, stopped: np.ndarray
-) -> int:
+def run_through(frames: np.ndarray, times: np.ndarray, first: int, last: int, parts: Parts, stopped: np.ndarray) -> int:
     """Drive a run on two frames, in turn that of the instant and the next one; all answer at `last`, as `run_instants`.
 
     `first` is 0, the start, or the `last` one of the call before. `times` are those of the instants from the start on
     [s]. The third number in `stopped` is the index of the frame.
     """
-    at, clock, rows, stop = frames.ctypes.data, times.ctypes.data, parts.ctypes.data, stopped.ctypes.data
-    status: int = _through()(at, frames.shape[1], clock, first, last, rows, len(parts), answering, stop)
+    at, clock = frames.ctypes.data, times.ctypes.data
+    rows, stop = parts.rows.ctypes.data, stopped.ctypes.data
+    run, count = _through(), len(parts.rows)
+    status: int = run(at, frames.shape[1], clock, first, last, rows, count, parts.answering, stop)
     return status
 
 

@@ -86,14 +86,14 @@ def can_be_kept() -> bool:
 def forget_older(key: str) -> None:
     """Delete the files of older texts of the same name, except those that were compiled last."""
     folder, name = cache_folder(), key.rpartition("_")[0]
-    newest = sorted(folder.glob(f"{name}_{'[0-9a-f]' * DIGITS}.*"), key=age)
+    newest = sorted(folder.glob(f"{name}_{'[0-9a-f]' * DIGITS}.*"), key=_age)
     texts = list(dict.fromkeys(file.name.partition(".")[0] for file in newest))
     for file in newest:
         if file.name.partition(".")[0] in texts[_KEPT_TEXTS:]:
             file.unlink(missing_ok=True)
 
 
-def age(file: Path) -> float:
+def _age(file: Path) -> float:
     """A number that rises with the time since a file or folder was written; 0 if it has gone."""
     try:
         return -file.stat().st_mtime

@@ -52,24 +52,24 @@ class Configuration:
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """What goes wrong, as texts."""
+        """The faults as texts."""
         texts: tuple[str, ...] = getattr(self.own_faults or self.parameters, "faults", ())
         return texts
 
     @property
     def is_ideal(self) -> bool:
-        """Whether all its sensors show the truth."""
+        """True if all its sensors show the true values."""
         kind: type = type(self.sensors)
         return bool(self.sensors == defaults(kind))
 
     @property
     def given(self) -> Any:
-        """The parameters as the method is given them: its own seeds go with that of the node."""
+        """The parameters for the method, with seeds of its own that follow from that of the node."""
         return seeded(self.parameters, self.common.seed)
 
     @property
     def has_random_method(self) -> bool:
-        """Whether the method itself hangs on the seed, and not its sensors and faults alone."""
+        """True if the method itself depends on the seed, and not its sensors and faults alone."""
         return seeded(self.parameters, 1) is not self.parameters
 
     def create(self) -> Any:
@@ -77,11 +77,11 @@ class Configuration:
         return create(self.method, self.given, self.common.vehicle, self.common.control_period)
 
     def __deepcopy__(self, _: Any) -> Configuration:
-        """Itself, for nothing of it changes: a copy has the same law, whatever its file has become."""
+        """Itself, for it never changes: a copy has the same law, even if its file was edited since."""
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """For pickle: by names and values, for a method is code; the text of a law file has to be the same there."""
+        """Names and values for pickle, since a method is code; the text of a law file has to be the same there."""
         extra = type(self.extra) if self.extra is not None else None
         return _of_same_text, (self.role, self.values(), extra, text_of(self.method))
 
@@ -131,15 +131,16 @@ def _of_same_text(role: str, values: Mapping[str, Any], extra: type | None, text
 
 
 def changeable_numbers(role: str) -> dict[str, Entry]:
-    """By name the numbers of a role, under any of its methods, that may change while it runs."""
-    own = (entries_by_name(method.parameters) for method in methods_of(role).values())
-    of_role = (*own, entries_by_name(sensors_for(ROLES[role].writes), _SENSORS))
-    return {
-        name: entry
-        for of in of_role
-        for name, entry in of.items()
-        if entry.type in (int, float) and not (entry.is_array or entry.spec.read_only)
-    }
+    """Numbers of a role by name, under any of its methods, that may change while it runs."""
+    known: dict[str, Entry] = {}
+    for method in methods_of(role).values():
+        known |= entries_by_name(method.parameters)
+    known |= entries_by_name(sensors_for(ROLES[role].writes), _SENSORS)
+    found: dict[str, Entry] = {}
+    for name, entry in known.items():
+        if entry.type in (int, float) and not entry.is_array and not entry.spec.read_only:
+            found[name] = entry
+    return found
 
 
 def _method_entry(role: str, name: str) -> Entry:
@@ -151,7 +152,7 @@ def _method_entry(role: str, name: str) -> Entry:
 def configure(
     role: str, values: Mapping[str, Any], extra: type | None = None, resolved: Method | None = None
 ) -> Configuration:
-    """The configuration of a role from dotted parameter names and values; what is not named keeps its default.
+    """The configuration of a role from dotted parameter names and values; others keep their default.
 
     `extra` is a dataclass of further parameters that only this node has, `resolved` the method, if it is not to be
     looked for by its name. Raises ParameterError for unknown names and refused values. A value for another method of
@@ -182,18 +183,20 @@ def configure(
 
 
 def refuse_unused(name: str, configurations: Collection[Configuration]) -> None:
-    """ParameterError if the methods chosen for a role lack a parameter; its text has who has it, or its name there."""
+    """ParameterError if the methods chosen for a role lack a parameter; it names the methods that have it."""
     if not all(name in each.unused for each in configurations):
         return
     role = next(each.role for each in configurations)
-    here = sorted({known for each in configurations for known in each.values() if _ends_alike(known, name)})
+    alike: set[str] = set()
+    for each in configurations:
+        alike |= {known for known in each.values() if _ends_alike(known, name)}
     having = [
         each.name
         for each in methods_of(role).values()
         if name in entries_by_name(each.parameters) or name in entries_by_name(sensors_for(each.writes), _SENSORS)
     ]
     chosen = ", ".join(dict.fromkeys(each.method.name for each in configurations))
-    where = f"its name there is {' or '.join(here)}" if here else f"allowed with {', '.join(having)}"
+    where = f"its name there is {' or '.join(sorted(alike))}" if alike else f"expected with {', '.join(having)}"
     raise ParameterError(f"parameter {name} is refused: {role} method {chosen} does not have it, {where}", name)
 
 
@@ -202,7 +205,7 @@ def _ends_alike(one: str, other: str) -> bool:
 
 
 def _fitting(configuration: Configuration) -> Configuration:
-    """The configuration with what its files hold; ParameterError if its method does not suit the vehicle."""
+    """The configuration with the content of its files; ParameterError if its method does not suit the vehicle."""
     method, common = configuration.method, configuration.common
     vehicle, parameters = with_files(common.vehicle), configuration.parameters
     from_files = _changed(common.vehicle, vehicle, _VEHICLE)
@@ -219,7 +222,7 @@ def _fitting(configuration: Configuration) -> Configuration:
 
 
 def _with_files(method: Method, parameters: Any) -> Any:
-    """Parameters with what their files hold; LawError if the author's function gives anything else."""
+    """Parameters with the content of their files; LawError if the author's function gives anything else."""
     load = method.factory.load_files
     with in_law(method):
         loaded = load(parameters)
@@ -229,7 +232,7 @@ def _with_files(method: Method, parameters: Any) -> Any:
 
 
 def _changed(before: Any, after: Any, prefix: str = "") -> tuple[str, ...]:
-    """The names of what differs between two dataclasses of parameters."""
+    """Names of the parameters that differ between two dataclasses."""
     if before == after:
         return ()
     now = flatten(after, prefix)

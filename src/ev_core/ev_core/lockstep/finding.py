@@ -16,8 +16,8 @@ from ev_core.native.method import library_method
 from ev_core.parameters.data_file import TEXT, TextOfFile, find_file, read_data, tell
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
-LIBRARIES = (".so", ".dylib")  # what the path of a shared library ends with
-LAW_FILE = ".py"  # that of a file with laws, which may be followed by :NAME
+LIBRARIES = (".so", ".dylib")  # suffixes of shared libraries
+LAW_FILE = ".py"  # suffix of files with laws, which may be followed by :NAME
 _registered: dict[tuple[Path, bytes], dict[str, dict[str, Method]]] = {}  # by file and its text
 
 
@@ -54,7 +54,7 @@ def text_of(method: Method) -> str:
 
 
 def _run(who: str, path: Path, text: bytes) -> dict[str, dict[str, Method]]:
-    """What a file registers, as a module of its own whose name goes with its path."""
+    """Methods that a file registers; it is run as a module of its own, named after its path."""
     name = f"{path.stem}_{hashlib.sha256(bytes(path)).hexdigest()[:8]}"
     spec: Any = spec_from_file_location(name, path)
     module = sys.modules[name] = module_from_spec(spec)
@@ -65,7 +65,7 @@ def _run(who: str, path: Path, text: bytes) -> dict[str, dict[str, Method]]:
 
 
 def _line_of(error: BaseException, path: Path) -> str:
-    """The line of a file in which an error was raised, or whose text is no Python; empty if it is of no line of it."""
+    """The line of a file in which an error was raised, or that is no Python; empty if it is in no line of the file."""
     if isinstance(error, SyntaxError) and error.filename == str(path):
         return f"line {error.lineno}: "
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
@@ -73,7 +73,7 @@ def _line_of(error: BaseException, path: Path) -> str:
 
 
 def is_code(name: str) -> bool:
-    """Whether the name of a method is the path of code: a shared library or a file with laws."""
+    """Return whether the name of a method is the path of code: a shared library or a file with laws."""
     return name.endswith((*LIBRARIES, LAW_FILE)) or f"{LAW_FILE}:" in name
 
 

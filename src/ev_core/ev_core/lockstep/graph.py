@@ -17,7 +17,7 @@ class GraphError(ValueError):
 
 
 def writers(roles: Mapping[str, Role]) -> dict[type, str]:
-    """Which role writes each signal; GraphError if two roles write the same one."""
+    """The writing role of each signal; GraphError if two roles write the same one."""
     by_signal: dict[type, str] = {}
     for role in roles.values():
         for signal in role.may_write:
@@ -30,7 +30,7 @@ def writers(roles: Mapping[str, Role]) -> dict[type, str]:
 def step_order(roles: Mapping[str, Role]) -> tuple[str, ...]:
     """Names of the roles that answer at once, each after everything that it reads; always in the same order.
 
-    GraphError if a signal that is read is written by nobody, or if instant reads form a cycle.
+    GraphError if no role writes a signal that is read, or if instant reads form a cycle.
     """
     by_signal = writers(roles)
     sorter: TopologicalSorter[str] = TopologicalSorter()

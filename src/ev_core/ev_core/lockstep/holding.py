@@ -1,14 +1,14 @@
-"""The inputs of a node in real time, where the newest ones stand for those that do not come, for a while."""
+"""The inputs of a node in real time, where the newest ones replace, for a while, those that do not come."""
 
 from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
 
-from ev_core.lockstep.inbox import Arrival, Inbox, come_for
+from ev_core.lockstep.inbox import Arrival, Inbox, Inputs, come_for
 from ev_msgs_py.contract.frame import PLACES, Frame
 
-HELD = 100_000_000  # how much older than its step an input may be to which a node answers [ns]; or two periods
+HELD = 100_000_000  # age of an input up to which a node answers to it [ns]; at least two periods
 
 
 class HeldInputs:
@@ -34,31 +34,23 @@ class HeldInputs:
 
     @property
     def missing(self) -> tuple[type, ...]:
-        """The kinds of which nothing has come."""
+        """The kinds without any message."""
         return tuple(kind for kind in self._reads if kind not in self._stamps)
 
 
 class HoldingInbox(Inbox):
-    """An inbox in which steps may be left out, and in which the newest inputs stand for those that do not come.
+    """An inbox in which steps may be left out, and in which the newest inputs replace those that do not come.
 
     Without that one lost message would stop nodes that read each other for ever. A step is also complete when one of
     the `pacing` inputs of a later step is there. Where inputs are `neutral` as zero they may never have come. Else none
-    of them may be older than `HELD`: a node that answered to a driver who is gone for ever would say his last torque
-    for ever, each time as a new one.
+    of them may be older than `HELD`: a node that still answered to a driver who is gone would repeat his last torque
+    for ever, each time with a new stamp.
     """
 
-    def __init__(
-        self,
-        reads: tuple[type, ...],
-        heralds: frozenset[type],
-        period: int,
-        pacing: frozenset[type],
-        neutral: bool,
-        lead: int = 0,
-    ) -> None:
-        super().__init__(reads, heralds, period, may_skip=True, lead=lead)
+    def __init__(self, inputs: Inputs, pacing: frozenset[type], neutral: bool) -> None:
+        super().__init__(inputs, may_skip=True)
         self._pacing, self._neutral = pacing, neutral
-        self.held = HeldInputs(reads)
+        self.held = HeldInputs(inputs.reads)
         self._paced = -1  # newest stamp of the pacing ones
 
     def expect(self, stamp: int) -> None:

@@ -1,6 +1,9 @@
-"""What a message can be, and the inputs of one node collected until a step has all of them (docs/lockstep.md).
+"""The inbox of a node: it collects the inputs of each step until the step has all of them (docs/lockstep.md).
 
-The protocol is one text: it is interpreted here, and compiled in `node_loop/steps.py`. Both work on the same `Steps`.
+How it works: every message carries the stamp of its instant. `judged` decides by the stamp whether a message is new,
+repeated, old, ahead of its time, or of a new run. A new one is kept in a row of numbers for its step, and the step is
+complete when all its inputs have come. The protocol is one text: it is interpreted here, and compiled in
+`node_loop/steps.py`. Both work on the same `Steps`.
 """
 
 from __future__ import annotations
@@ -18,10 +21,10 @@ from ev_msgs_py.contract.stamps import RUN, RUNS
 
 
 class Arrival(Enum):
-    """What a message turned out to be."""
+    """Judgement of a message."""
 
     NEW = "it is kept for its step"
-    REPEATED = "it is known already: somebody misses our answer"
+    REPEATED = "duplicate: a reader has missed our answer"
     OLD = "its step is over and answered, and so is the next; or it is of another run"
     GAP = "it is too far ahead, or between two steps: it cannot belong to this run of steps"
     RESTART = "time went back to zero, or it is the first instant of a later run: a new run begins"
@@ -29,26 +32,36 @@ class Arrival(Enum):
 
 NEW, REPEATED, OLD, GAP, RESTART = range(len(_ARRIVALS := tuple(Arrival)))  # as the protocol names them
 ROWS = 8  # steps whose inputs are kept at most
-NEVER = -(1 << 62)  # the stamp of nothing
+NEVER = -(1 << 62)  # the stamp of an answer or step that has not been yet
 LAST, ANSWER, BEFORE = range(3)  # places in `Steps.done`: the last step, the last answer, the answer before it
 
 
 class Steps(NamedTuple):
     """The steps of a node in integers; sets of its inputs are bits of one integer, the first input is the lowest bit.
 
-    The inputs of a step stand in row `stamp // period % ROWS` of the frames. An answer stands in the row of its inputs
-    or, of a node that integrates, in one of two rows behind all.
+    The inputs of a step are in row `stamp // period % ROWS` of the frames. An answer is in the row of its inputs or, of
+    a node that integrates, in one of two rows behind all.
     """
 
     done: Any  # (3,) stamps, NEVER where there is none
-    stamps: Any  # (ROWS,) of the step whose inputs stand in the row
+    stamps: Any  # (ROWS,) of the step whose inputs are in the row
     came: Any  # (ROWS,) the inputs that have come for that step
     inputs: int  # all that a step needs
-    heralds: int  # those whose writers need this node's step before they go on to the next one
+    heralds: int  # those with writers that need this node's step before they go on to the next one
     followed: int  # those that a step needs of the next step as well
     period: int  # [ns]
     lead: int  # stamp of an answer above that of its step [ns]: the period if the node integrates, else 0
     may_skip: int  # 1 in real time, where the master does not wait
+
+
+class Inputs(NamedTuple):
+    """The inputs of a node, and their relation to its steps."""
+
+    reads: tuple[type, ...]  # signal types of one step
+    period: int  # of the step [ns]
+    heralds: frozenset[type] = frozenset()  # with writers that need this node's step before they publish the next one
+    followed: frozenset[type] = frozenset()  # also needed of the next step
+    lead: int = 0  # stamp of an answer above that of its step [ns]
 
 
 @compilable
@@ -83,7 +96,7 @@ def missing(steps: Any) -> Any:
 
 @compilable
 def judged(steps: Any, stamp: int, i: int) -> Any:
-    """What a message of an input is: NEW, REPEATED, OLD, GAP or RESTART."""
+    """Judge a message of an input: NEW, REPEATED, OLD, GAP or RESTART."""
     last, period = steps.done[LAST], steps.period
     ahead, above = stamp - last, stamp % period
     if above % RUN != 0 or above >= RUNS:
@@ -104,7 +117,7 @@ def judged(steps: Any, stamp: int, i: int) -> Any:
 
 @compilable
 def keep(steps: Any, stamp: int, i: int) -> Any:
-    """Note that an input has come for a step; the row for its numbers."""
+    """Note that an input has come for a step, and return the row for its numbers."""
     row = stamp // steps.period % ROWS
     steps.came[row] = come_for(steps, stamp) | 1 << i
     steps.stamps[row] = stamp
@@ -121,33 +134,33 @@ def note_answer(steps: Any, stamp: int) -> None:
 class Inbox:
     """Collects the numbers of one message of each kind per stamp, in a frame.
 
-    `reads` are the signal types of one step, `period` is the step in nanoseconds. A node that has not stepped yet
-    takes any step as its first; from then on steps follow each other without a gap, unless `may_skip` (realtime,
-    where the master does not wait). A message may run ahead of the next step by one more step, because the writers
-    do not wait for each other within a step; the `heralds` need this node's step before they publish the next one.
+    A node that has not stepped yet takes any step as its first; from then on steps follow each other without a gap,
+    unless `may_skip` (realtime, where the master does not wait). A message may run ahead of the next step by one more
+    step, because the writers do not wait for each other within a step.
 
-    The n-th run after a reset has stamps of n times `RUN` above its instants: what is still under way of a run before
-    is of no step. The first stamp of a later run, or stamp zero after others, of one of the heralds begins a new run.
-    A step is complete when all its inputs are there, and of the `followed` ones those of the step after it as well.
-    Compiled code finds all that lasts at `addresses`.
+    The n-th run after a reset has stamps of n times `RUN` above its instants: a message that is still under way of a
+    run before fits to no step. The first stamp of a later run, or stamp zero after others, of one of the heralds begins
+    a new run. A step is complete when all its inputs are there, and of the `followed` ones those of the step after it
+    as well. Compiled code finds all numbers that last at `addresses`.
     """
 
-    def __init__(
-        self,
-        reads: tuple[type, ...],
-        heralds: frozenset[type],
-        period: int,
-        may_skip: bool = False,
-        followed: frozenset[type] = frozenset(),
-        lead: int = 0,
-    ) -> None:
-        self.reads, self.period = reads, period
-        self._place = {kind: i for i, kind in enumerate(reads)}
+    def __init__(self, inputs: Inputs, may_skip: bool = False) -> None:
+        self.reads, self.period = inputs.reads, inputs.period
+        self._place = {kind: i for i, kind in enumerate(inputs.reads)}
         self._kinds: dict[int, tuple[type, ...]] = {}  # by their bits
         self._block = np.zeros(3 + 2 * ROWS, np.int64)
         block: Any = memoryview(self._block)  # type: ignore[arg-type]  # mypy knows no buffer of numpy
-        constants = (*map(self._bits, (reads, heralds, followed)), period, lead, int(may_skip))
-        self.steps = Steps(block[:3], block[3 : 3 + ROWS], block[3 + ROWS :], *constants)
+        self.steps = Steps(
+            done=block[:3],
+            stamps=block[3 : 3 + ROWS],
+            came=block[3 + ROWS :],
+            inputs=self._bits(inputs.reads),
+            heralds=self._bits(inputs.heralds),
+            followed=self._bits(inputs.followed),
+            period=inputs.period,
+            lead=inputs.lead,
+            may_skip=int(may_skip),
+        )
         self._numbers = np.zeros((ROWS + 2, SIZE))
         self.frames: list[Frame] = [Frame.of(row) for row in self._numbers]
         self.addresses = self._block.ctypes.data, self._numbers.ctypes.data
@@ -173,13 +186,13 @@ class Inbox:
 
     @property
     def run(self) -> int:
-        """What stamps are above the instants that they mean [ns]."""
+        """Difference between the stamps of this run and their instants [ns]."""
         last = self.last
         return 0 if last is None else last % self.period
 
     @property
     def is_at_zero(self) -> bool:
-        """Whether something of time zero has come, and nothing has been stepped behind it."""
+        """True if a message of time zero has come, and no later step was taken."""
         return self.last == 0 or bool(self.steps.done[LAST] < 0 and come_for(self.steps, 0))
 
     def expect(self, stamp: int) -> None:

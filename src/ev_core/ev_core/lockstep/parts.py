@@ -1,4 +1,4 @@
-"""Which parts play a configured role, behind its sensors and faults, and whether they run compiled."""
+"""Parts that play a configured role, with its sensors and faults, in plain Python or compiled."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ev_msgs_py.refusal import ParameterError
 class Restart(CalledBack):
     """Puts a part back to its start at the instants at which it begins anew."""
 
-    state = None  # nothing lasts but that of the part
+    state = None  # it has none of its own
 
     def __init__(self, part: Any, ends: Collection[float], period: float) -> None:
         self._part, self._period = part, period
@@ -29,26 +29,26 @@ class Restart(CalledBack):
         self._ends = ends
 
     def before(self, time: float) -> None:
-        """Called before the part answers at a time [s]."""
+        """Put the part back before it answers at a time [s], if it begins anew there."""
         if round(time / self._period) in self._ends:
             self._part.state = copy.deepcopy(self._first)
 
     def start(self, there: Frame) -> None:
-        """Nothing: the part is at its start."""
+        """Do nothing: the part is at its start."""
 
     def step(self, here: Frame, there: Frame) -> None:
-        """Called by compiled code before the part answers."""
+        """Put the part back: compiled code calls this before the part answers."""
         self.before(here.numbers[TIME])
 
     def notes(self) -> tuple[str, ...]:
-        """Nothing: it stands in the parameters."""
+        """No notes: the parameters show the restart."""
         return ()
 
 
 class Sensed(CalledBack):
-    """Steps a part, and lets its sensors and then its faults put what they show into the place of the true numbers.
+    """Steps a part, and lets its sensors and then its faults replace the true numbers in its outputs.
 
-    The part never sees what they show. The state is that of the part, then those of the rows.
+    The part never sees their numbers. The state is that of the part, then those of the rows.
     """
 
     def __init__(self, part: Any, rows: Sequence[SensorRow | FaultRow], restart: Restart | None = None) -> None:
@@ -70,7 +70,7 @@ class Sensed(CalledBack):
             self.part.state = row[:place]
 
     def start(self, there: Frame) -> None:
-        """Write what the rows show of the initial outputs."""
+        """Write the initial outputs as the rows change them."""
         self.part.start(there)
         for row in self.rows:
             row.start()
@@ -93,7 +93,7 @@ class Sensed(CalledBack):
         self.part.refuse_not_finite(there)
 
     def notes(self) -> tuple[str, ...]:
-        """What the part notes."""
+        """Notes of the part."""
         notes: tuple[str, ...] = self.part.notes()
         return notes
 
@@ -121,7 +121,7 @@ def behind_sensors(configuration: Configuration, part: Part) -> Part:
 
 
 def rows_of(configuration: Configuration) -> list[SensorRow | FaultRow]:
-    """What changes the numbers that a part writes: its sensors, and then its faults."""
+    """Rows that change the numbers of a part: its sensors, and then its faults."""
     rows: list[SensorRow | FaultRow] = []
     common = configuration.common
     if not configuration.is_ideal:
@@ -143,7 +143,7 @@ def _restart(configuration: Configuration, part: Part) -> Restart | None:
 
 
 def is_kept(configuration: Configuration) -> bool:
-    """Whether the method is on disk as machine code."""
+    """Return whether the method is on disk as machine code."""
     method, common = configuration.method, configuration.common
     if method.law is None or not method.law.is_compilable:
         return False
@@ -153,10 +153,10 @@ def is_kept(configuration: Configuration) -> bool:
 
 
 def is_compiled(configuration: Configuration, may_wait: bool = True) -> bool:
-    """Whether a node runs a method compiled; where that `may_wait`, it is compiled now, once for all.
+    """Return whether a node runs a method compiled; where it `may_wait`, it is compiled now, once for all.
 
-    In plain Python, with the same bits, run what cannot be compiled, and a light law that nobody can wait for.
-    ParameterError if a law that is too heavy for plain Python would have to be waited for.
+    A method that cannot be compiled, and a light law without time to compile it, run in plain Python with the same
+    bits. ParameterError if a law is too heavy for plain Python and there is no time to compile it.
     """
     law = configuration.method.law
     if law is None or not law.is_compilable:
@@ -170,21 +170,21 @@ def is_compiled(configuration: Configuration, may_wait: bool = True) -> bool:
         return False
     if not can_be_kept():
         return False
-    with suppress(ParameterError):  # plain Python reports what is wrong with it, when it gets there
+    with suppress(ParameterError):  # plain Python reports the mistake when a step gets there
         method_part(configuration, compiled=True)  # in plain Python, with a note, a law that prints
         return True
     return False
 
 
 def compiled_parts(configuration: Configuration) -> list[Any]:
-    """The same for the compiled loop, which calls one behind the other: restart, method's part, sensors, faults."""
+    """Parts for the compiled loop, which calls one behind the other: restart, method's part, sensors, faults."""
     part = method_part(configuration, compiled=True)
     restart = _restart(configuration, part)
     return [*([restart] if restart else ()), part, *row_parts(configuration)]
 
 
 def row_parts(configuration: Configuration) -> list[Any]:
-    """Those behind the method's part."""
+    """Compiled sensors and faults behind the method's part."""
     rows = rows_of(configuration)
     if rows:
         from ev_core.compiled.part import RowPart
@@ -211,7 +211,7 @@ def method_part(configuration: Configuration, compiled: bool, like: Any = None) 
 
 
 def compiled_part(configuration: Configuration, like: Any = None) -> Any:
-    """The same, compiled in any case."""
+    """The part of the method alone, compiled in any case."""
     from ev_core.compiled.part import CompiledPart
 
     common = configuration.common

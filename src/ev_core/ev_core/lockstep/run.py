@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ev_core.compiled.interruptible import interruptible
-from ev_core.compiled.loop import FINISHED, NOT_FINITE, run_instants
+from ev_core.compiled.loop import FINISHED, NOT_FINITE, Parts, run_instants
 from ev_core.compiling.machine_code import call as call_at
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import check_graph, step_order
@@ -40,14 +40,14 @@ def refuse_not_finite(numbers: np.ndarray, signals: Iterable[type]) -> None:
 
 
 def call(part: Any, now: int, there: np.ndarray) -> None:
-    """Let a part write into the frame `there`, by that at the address `now`, its start by 0; raises what it raises."""
+    """Let a part answer in the frame `there` to the frame at the address `now`, or start where that is 0."""
     function, state, constants = part.addresses()
     if guarded((part,), lambda: call_at(function, now, there.ctypes.data, state, constants)) != 0:
         raise raised(part, Frame.at(now).numbers if now else None)
 
 
 def guarded(parts: Iterable[Any], drive: Callable[[], int]) -> int:
-    """What `drive` returns, which drives these parts; Ctrl-C ends it where one is of a law that may never end."""
+    """Call `drive`, which drives these parts; Ctrl-C ends the call where one is of a law that may never end."""
     driven = [*parts]
     if not any(getattr(part, "is_checked", False) for part in driven):
         return drive()
@@ -56,7 +56,7 @@ def guarded(parts: Iterable[Any], drive: Callable[[], int]) -> int:
 
 
 def raised(part: Any, numbers: Sequence[float] | None) -> BaseException:
-    """What a part has raised that failed, to the numbers of a frame, at its start None."""
+    """Error of a part that has failed with the numbers of a frame, None at its start."""
     error: BaseException = part.raised(numbers) if hasattr(part, "raised") else part.error
     return error
 
@@ -73,14 +73,17 @@ class GraphRun:
         answering, integrating = roles_in_order(configurations)
         self.writes = {role: configuration.method.writes for role, configuration in configurations.items()}
         roles = (*answering, *integrating)
-        self.parts = [(role, part) for role in roles for part in compiled_parts(configurations[role])]
+        self.parts: list[tuple[str, Any]] = []
+        for role in roles:
+            self.parts += [(role, part) for part in compiled_parts(configurations[role])]
         written = {role: frame.span(configuration.method.writes) for role, configuration in configurations.items()}
         size = max(end for _, end in written.values())
         self.frames = np.zeros((min(_PIECE + 1, instants), size))
         self.series = np.empty((size, instants))
         self.series[frame.TIME] = frame.times(instants, period)
         self._answering = sum(role in answering for role, _ in self.parts)
-        self._rows = np.array([(*part.addresses(), *written[role]) for role, part in self.parts], np.int64)
+        rows = [(*part.addresses(), *written[role]) for role, part in self.parts]
+        self._rows = Parts(np.array(rows, np.int64), self._answering)
         for place in range(self._answering, len(self.parts)):
             self._show_start(place)
 
@@ -109,7 +112,7 @@ class GraphRun:
     def _drive_piece(self, count: int, final: bool, stopped: np.ndarray) -> int:
         return guarded(
             (part for _, part in self.parts),
-            lambda: run_instants(self.frames, 0, count, final, self._rows, self._answering, stopped),
+            lambda: run_instants(self.frames, 0, count, final, self._rows, stopped),
         )
 
     def _error(self, status: int, instant: int, place: int) -> BaseException:
@@ -126,7 +129,7 @@ class GraphRun:
             return error
 
     def _pass_on_notes(self, noted: set[tuple[str, str]], note: Callable[[str, str], None]) -> None:
-        """Tell what the parts note for the first time."""
+        """Pass on each note of a part when it appears for the first time."""
         for role, part in self.parts:
             for text in part.notes():
                 if (role, text) not in noted:
@@ -150,11 +153,11 @@ def output_again(configuration: Configuration, series: np.ndarray) -> np.ndarray
         frames[: count + 1] = series[:, begin : end + 1].T
         if begin == 0:
             call(part, 0, frames[0])
-        drive = partial(run_instants, frames, 0, count, False, row, 0, stopped)
+        drive = partial(run_instants, frames, 0, count, False, Parts(row, 0), stopped)
         if guarded((part,), drive) != FINISHED:
             refuse_not_finite(frames[stopped[0]], writes)
             raise raised(part, frames[stopped[0] - 1].tolist())
-        new = slice(int(begin > 0), count + 1)  # the first instant of a piece stands in the one before
+        new = slice(int(begin > 0), count + 1)  # the first instant of a piece is the last of the one before
         again[:, begin + new.start : end + 1] = frames[new].T
     return again
 

@@ -13,6 +13,7 @@ from ev_core.lockstep.inbox import (
     NEVER,
     Arrival,
     Inbox,
+    Inputs,
     note_answer,
     row_of,
     row_of_answer,
@@ -39,7 +40,7 @@ _FIRST_TO_ANSWER = ROLES[next(role for role in step_order(ROLES))]
 
 
 def arrival_place(signal: type) -> tuple[int, int, int]:
-    """Where a signal stands among all of one instant in the order of their arrival: higher arrives later.
+    """Place of a signal among all of one instant in the order of their arrival: higher arrives later.
 
     A role publishes those of its signals first that the first role to answer needs most.
     """
@@ -51,8 +52,8 @@ def arrival_place(signal: type) -> tuple[int, int, int]:
 def upstream_signals(role: str) -> frozenset[type]:
     """The signals of the roles before this one within a step.
 
-    Repeated ones call for a repeated answer. That of a role behind would not only be useless: two nodes that read
-    each other would repeat their answers for ever.
+    A repeated one of these asks for a repeated answer. To repeat one for a role behind would be worse than useless: two
+    nodes that read each other would repeat their answers for ever.
     """
     return frozenset(signal for signal, writer in WRITERS.items() if _ORDER[writer] < _ORDER[role])
 
@@ -71,19 +72,21 @@ class Stepper:
         self.reads = tuple(sorted(method.inputs, key=arrival_place))
         self.integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
         self.upstream = upstream_signals(method.role)
+        of_master = frozenset(ROLES[MASTER].writes)
         # An integrating writer repeats its last two answers, so its stamp zero may be a late repetition.
-        heralds = frozenset(s for s in self.upstream if s not in INTEGRATED)
-        # The master repeats no other state than the present one, so it must not leave anybody behind: it goes on when
+        heralds = of_master | {s for s in self.upstream if s not in INTEGRATED}
+        # The master repeats no other state than the present one, so it must not leave a node behind: it goes on when
         # the others that integrate have done so too. They have all answers, and these needed the master's state.
-        followed = frozenset(s for s in self.reads if s in INTEGRATED) if method.role == MASTER else frozenset()
-        heralds |= {*ROLES[MASTER].writes}
+        followed: frozenset[type] = frozenset()
+        if method.role == MASTER and not may_skip:
+            followed = frozenset(s for s in self.reads if s in INTEGRATED)
         # The others that integrate publish the next instant, from which nothing follows for the inputs of this one.
-        self._pacing = frozenset(s for s in self.reads if s in ROLES[MASTER].writes or s not in INTEGRATED)
-        lead = period if self.integrates else 0
+        self._pacing = frozenset(s for s in self.reads if s in of_master or s not in INTEGRATED)
+        inputs = Inputs(self.reads, period, heralds, followed, lead=period if self.integrates else 0)
         if may_skip:
-            self.inbox: Inbox = HoldingInbox(self.reads, heralds, period, self._pacing, self.integrates, lead)
+            self.inbox: Inbox = HoldingInbox(inputs, self._pacing, neutral=self.integrates)
         else:
-            self.inbox = Inbox(self.reads, heralds, period, followed=followed, lead=lead)
+            self.inbox = Inbox(inputs)
         self._steps = self.inbox.steps
         self._done, self._frames = self._steps.done, self.inbox.frames
         self.period = period
@@ -110,11 +113,11 @@ class Stepper:
 
     @property
     def under_way(self) -> bool:
-        """Whether a step has been taken since the run began, and the next one is the one after it."""
+        """True once a step has been taken since the run began, so that the next one is the one after it."""
         return not self._at_rest and self.inbox.last is not None
 
     def answers_to(self, kind: type, stamp: int, arrival: Arrival) -> Sequence[Answer]:
-        """What a message that has been taken in leads to: an answer, or recent answers again."""
+        """Answers to a message that has arrived: that of a step, or recent answers again."""
         if arrival is Arrival.NEW and not self._at_rest:
             answer = self.step()
             return () if answer is None else (answer,)
@@ -133,12 +136,12 @@ class Stepper:
         return answers
 
     def _must_begin(self, stamp: int) -> bool:
-        """Whether others still need the initial state, or that of an instant at which it cannot step any more."""
+        """Return whether others still need the initial state, or that of an instant at which it can no longer step."""
         answered = self.answered
         return answered == NEVER or (self.inbox.last is None and stamp > answered)
 
     def _recent_answers(self) -> tuple[Answer, ...]:
-        """What somebody may have missed: the last answer, and of an integrating object the one before.
+        """Answers that a reader may have missed: the last one, and of an integrating object the one before.
 
         An integrating object is one answer ahead, so the others may still wait for the one before.
         """
@@ -169,7 +172,7 @@ class Stepper:
         return self._start(run)
 
     def step(self) -> Answer | None:
-        """One step if its inputs are complete, else None."""
+        """Take a step if its inputs are complete, else return None."""
         stamp = self.inbox.complete()
         if stamp is None:
             return None
@@ -182,7 +185,7 @@ class Stepper:
         return self.step_with(stamp, inputs)
 
     def step_with(self, stamp: int, here: Frame) -> Answer:
-        """One step with the inputs in a frame: that of the inbox, but for who integrates."""
+        """Take a step with the inputs in a frame: that of the inbox, except where a role integrates."""
         here.numbers[TIME] = self._instant(stamp)
         self._at_rest = False
         output = stamp + self._steps.lead

@@ -1,8 +1,8 @@
 """Inputs and outputs of a node, added up step by step, so that both ends of a topic can be compared after a run.
 
-The sum of a topic goes over the numbers of all steps, as words of 32 bits, each times a secret odd number of its place
-and one of its step, modulo 2^64 (multilinear hashing: Carter & Wegman 1979, Lemire & Kaser 2014). A sender in
-the name of another node that does not know the key cannot choose other numbers that leave the sum unchanged.
+How it works: the sum of a topic goes over the numbers of all steps, as words of 32 bits, each times a secret odd number
+of its place and one of its step, modulo 2^64 (multilinear hashing: Carter & Wegman 1979, Lemire & Kaser 2014). A sender
+in the name of another node that does not know the key cannot choose other numbers that leave the sum unchanged.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.frame import PLACES, SIZE
 from ev_msgs_py.contract.topics import TOPICS
 
+READ, WRITTEN = "read", "written"  # of a node, in its report
 KEPT = 4  # sums of the newest steps: the two ends of a topic do not stop at the same one
 _MOST = 64  # topics of a node
 _KEYS = 2 + 2 * SIZE
@@ -94,7 +95,7 @@ def step(block, steps, frames):
     return 0
 '''
 _P, _N = ctypes.c_void_p, ctypes.c_int64
-# What takes less time than to let others run meanwhile.
+# PYFUNCTYPE keeps the interpreter's lock: releasing it would take longer than the sums.
 _FUNCTION = ctypes.PYFUNCTYPE(ctypes.c_int32, _P, _N, _P, _P)
 _NEWEST_FUNCTION = ctypes.PYFUNCTYPE(ctypes.c_int32, _P, _P, _P)
 
@@ -103,13 +104,14 @@ NEWEST_STEP = Code("newest_tally", _NEWEST, {"add_up_newest": add_up_newest, "St
 
 
 class Tally:
-    """The sums of a node, with a key that the other nodes have as well: of what it `takes`, and of its outputs.
+    """The sums of a node, with a key that the other nodes have as well: of its inputs and of its outputs.
 
-    An output is that of as many steps `ahead` of its inputs as 0 or, of a node that integrates, 1.
+    An output is `ahead` of its inputs by 0 steps or, of a node that integrates, by 1.
     """
 
-    def __init__(self, key: bytes, takes: Sequence[type], says: Sequence[type] = (), ahead: int = 0) -> None:
-        taken, output = ([signal for signal in signals if signal in PLACES] for signals in (takes, says))
+    def __init__(self, key: bytes, reads: Sequence[type], writes: Sequence[type] = (), ahead: int = 0) -> None:
+        taken = [signal for signal in reads if signal in PLACES]
+        output = [signal for signal in writes if signal in PLACES]
         self._signals, self._taken = (*taken, *output), len(taken)
         self.block = np.zeros(BLOCK, np.int64)
         self.block[:_KEYS] = np.frombuffer(hashlib.shake_256(key).digest(8 * _KEYS), np.int64) | 1
@@ -133,14 +135,14 @@ class Tally:
         self.add(-1 - step, output, output)
 
     def forget(self) -> None:
-        """A new run begins."""
+        """Begin a new run."""
         self._sums[:] = 0
 
     def newest(self, last_taken: int, last_output: int) -> dict[str, dict[str, dict[str, int]]]:
-        """The last sums by "taken" and "said", topic and step, which count from these steps backwards."""
-        found: dict[str, dict[str, dict[str, int]]] = {"taken": {}, "said": {}}
+        """The last sums by "read" and "written", topic and step, which count from these steps backwards."""
+        found: dict[str, dict[str, dict[str, int]]] = {READ: {}, WRITTEN: {}}
         for i, signal in enumerate(self._signals):
-            kind, last = ("taken", last_taken) if i < self._taken else ("said", last_output)
+            kind, last = (READ, last_taken) if i < self._taken else (WRITTEN, last_output)
             steps = range(max(last - KEPT + 1, 0), last + 1)
             found[kind][TOPICS[signal].name] = {str(step): int(self._sums[i, step % KEPT]) for step in steps}
         return found

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ev_core.compiled.loop import FAILED, FINISHED, run_through
+from ev_core.compiled.loop import FAILED, FINISHED, Parts, run_through
 from ev_core.compiled.part import CompiledPart, RowPart, row_function
 from ev_core.faults.row import FaultRow
 from ev_core.lockstep.configuration import Configuration
@@ -107,10 +107,11 @@ class Runs:
         before += [_Placed("", _NOTHING, whole.shown, whole.shown.state())] if whole else []
         behind = [placed for role in self._integrating for placed in self._placed(role, run, whole)]
         rows = np.array([placed.row for placed in (*before, *behind)], np.int64)
+        parts = Parts(rows, len(before))
         frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
         of = {role: varied[run] if varied else self._base[role] for role, varied in self._varied.items()}
         for first, last in self._legs:
-            status = run_through(frames, self._times, first, last, rows, len(before), stopped)
+            status = run_through(frames, self._times, first, last, parts, stopped)
             if status != FINISHED:
                 return self._why(status, frames, stopped, (*before, *behind))
             if self._ending and whole and self._ending.is_over(driven_run(whole.recorded(last + 1)[1], of), first):

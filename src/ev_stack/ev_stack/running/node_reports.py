@@ -16,7 +16,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from ev_core.lockstep.stepper import WRITERS
-from ev_core.lockstep.tally import Tally
+from ev_core.lockstep.tally import READ, WRITTEN, Tally
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, SIZE, places
 from ev_msgs_py.contract.roles import RECORDER
@@ -155,7 +155,7 @@ class NodeReports:
         elif word.kind == TIMING:
             self.timing = dict(word.values)
         elif word.kind == TALLY:
-            self._tallies[node] = {end: _sums(word.values[end]) for end in ("taken", "said")}
+            self._tallies[node] = {end: _sums(word.values[end]) for end in (READ, WRITTEN)}
         elif word.kind == TIME_SERVICE:
             self.rests = bool(word.values["rests"])
             self._words.append(text)
@@ -179,9 +179,9 @@ class NodeReports:
         return [f"node {node} told no sums: nobody knows whether others have spoken in its name" for node in silent] + [
             f"node {node}: what it took on {topic} is not what {writer} has said; somebody else has spoken in its name"
             for node, tally in self._tallies.items()
-            for topic, taken in tally["taken"].items()
+            for topic, taken in tally[READ].items()
             if (writer := _WRITER_OF[topic]) in self._tallies
-            and _differ(taken, self._tallies[writer]["said"].get(topic, {}))
+            and _differ(taken, self._tallies[writer][WRITTEN].get(topic, {}))
         ]
 
     def _tally_of(self, recording: Recording) -> Mapping[str, Any]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ev_core.compiled.loop import run_instants
+from ev_core.compiled.loop import Parts, run_instants
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.parts import method_part
 from ev_core.lockstep.run import GraphRun
@@ -41,6 +41,6 @@ def _step_time(configuration: Configuration, series: np.ndarray) -> float:
         part = method_part(configuration, compiled=True)
         rows = np.array([(*part.addresses(), *frame.span(configuration.method.writes))], np.int64)
         begin = time.thread_time_ns()
-        run_instants(frames, 0, len(frames) - 1, True, rows, 1, np.zeros(2, np.int64))
+        run_instants(frames, 0, len(frames) - 1, True, Parts(rows, 1), np.zeros(2, np.int64))
         times.append(time.thread_time_ns() - begin)
     return min(times) / len(frames)

@@ -1,0 +1,191 @@
+"""The line between a node and the runner that has started it: what is told arrives, and nothing that is no word."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from ev_nodes.stepping.runner_line import NOTE, PROGRESS, RUNNER_LINE, TALLY, WARNING, WORD_KINDS, RunnerLine, Word
+from ev_stack.recording.recording import Recording
+from ev_stack.running.node_reports import NodeReports as Told
+from ev_stack.running.node_reports import node_reports as opened
+
+NOTHING = Recording(np.zeros(0), {})
+
+
+@pytest.fixture
+def told(monkeypatch):
+    """What the runner is told by a node of this process, and the node's end."""
+    words = Told("/ev")
+    address, _ = words.line("asr")
+    monkeypatch.setenv(RUNNER_LINE, address)
+    yield words
+    words.close()
+
+
+def test_what_a_node_tells_arrives_with_its_name_and_its_key(told):
+    line = RunnerLine()
+    told.started("asr")
+    line.tell(Word(WARNING, "something is odd"))
+    line.tell(Word(NOTE, "refused", "stranger"))
+    line.tell(Word(NOTE, "refused again", "stranger"))
+    line.tell(Word(PROGRESS, values={"stamp": 1_500_000_000}))
+    line.close()
+    told.look()
+    assert told.warnings == ("/ev/asr: something is odd",)
+    assert told.notes == ("/ev/asr: refused",)
+    assert told.time == 1.5
+    assert len(line.key) == 32
+
+
+def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_old_progress(told):
+    """It may be stopped for a while; thousands of words do not fit into a socket, and one that never will is left out.
+
+    Of warnings the first ones are named, and all are counted. The newest progress comes through.
+    """
+    line = RunnerLine()
+    line.tell(Word(WARNING, "x" * 10_000_000))
+    for n in range(5000):
+        line.tell(Word(WARNING, f"{n}"))
+        line.tell(Word(WARNING, "0"))
+        line.tell(Word(PROGRESS, values={"stamp": n}))
+    while told.warnings[-1:] != ("4980 more warnings, which are in /diagnostics",):
+        told.look()
+        line.send_what_waits()
+    assert told.warnings[:-1] == tuple(f"/ev/asr: {n}" for n in range(20))
+    told.look()
+    assert told.time == pytest.approx(4999e-9)
+    line.close()
+
+
+def test_progress_goes_on_when_a_runner_listens_again(told):
+    """A recorder has no other words: behind three seconds of Ctrl-Z its progress stood still until the end."""
+    line = RunnerLine()
+    for stamp in range(0, 3_000_000, 1000):
+        line.tell(Word(PROGRESS, values={"stamp": stamp}))
+    told.look()
+    line.tell(Word(PROGRESS, values={"stamp": 3_000_000}))
+    told.look()
+    assert told.time == 0.003
+    line.close()
+
+
+def test_what_was_noted_is_said_though_the_run_is_interrupted(capsys):
+    """Once, and with what came last: notes on strangers were lost with Ctrl-C."""
+    with pytest.raises(KeyboardInterrupt), opened("/ev") as words:
+        _, number = words.line("asr")
+        for what in ("first", "last"):
+            os.write(number, Word(NOTE, f"{what} stranger is refused", what).encoded())
+        raise KeyboardInterrupt
+    assert capsys.readouterr().err.splitlines() == [
+        f"note: /ev/asr: {w} stranger is refused" for w in ("first", "last")
+    ]
+
+
+def test_a_node_that_was_killed_before_it_told_its_sums_is_named():
+    told = Told("/ev")
+    for node, adds_up in (("asr", True), ("driver", True), ("plant", False), ("recorder", False)):
+        told.line(node, adds_up)
+    told.look()
+    assert [line.partition(":")[0] for line in told.others_heard(NOTHING)] == [
+        "node asr told no sums",
+        "node driver told no sums",
+    ]
+    told.close()
+
+
+def test_a_child_finds_its_end_and_no_other_process_does(told):
+    """The end is inherited; who has only read the name of it in somebody's environment has nothing."""
+    words = [
+        "import sys",
+        "from ev_nodes.stepping.runner_line import NOTE, RunnerLine, Word",
+        "line = RunnerLine()",
+        "line.tell(Word(NOTE, sys.argv[1], sys.argv[1]))",
+        "line.close()",
+    ]
+    told.close()
+    address, inherited = told.line("asr")
+    for name, descriptors in (("child", [inherited]), ("stranger", [])):
+        environment = {**os.environ, RUNNER_LINE: address}
+        command = [sys.executable, "-c", "\n".join(words), name]
+        subprocess.run(command, env=environment, pass_fds=descriptors, check=True)
+    told.look()
+    assert told.notes == ("/ev/asr: child",)
+
+
+@pytest.mark.parametrize("address", ["", "7", "x y z", "99999 1 00", "0 1 zz"])
+def test_a_node_without_a_runner_tells_nobody(address, monkeypatch):
+    monkeypatch.setenv(RUNNER_LINE, address)
+    line = RunnerLine()
+    line.tell(Word(WARNING, "nobody hears that"))
+    line.close()
+    assert line.key == b""
+
+
+def test_another_socket_under_the_number_is_no_line(monkeypatch):
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+    monkeypatch.setenv(RUNNER_LINE, f"{theirs.fileno()} {os.getpid()} 00")
+    RunnerLine().tell(Word(WARNING, "x"))
+    ours.setblocking(False)
+    with pytest.raises(BlockingIOError):
+        ours.recv(10)
+    ours.close()
+    theirs.close()
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=6), inner, max_size=3),
+    max_leaves=8,
+)
+VALUES = st.dictionaries(st.sampled_from(["stamp", "rests", "read", "written", "x"]), JSON, max_size=3) | JSON
+WORDS = st.dictionaries(st.sampled_from(["kind", "text", "what", "values", "more"]), JSON | st.sampled_from(WORD_KINDS))
+
+
+@given(
+    said=st.binary(max_size=30)
+    | (WORDS | JSON | st.builds(lambda k, v: {"kind": k, "values": v}, st.sampled_from(WORD_KINDS), VALUES)).map(
+        lambda j: json.dumps(j).encode()
+    )
+)
+@example(said=b'{"kind": "tally", "values": {"stamp": null, "written": [], "read": {"": null}}}')
+@example(said=b'{"kind": "tally", "values": {"written": {"wheel_states": [3]}, "read": {}}}')
+def test_whatever_is_said_there_is_a_word_or_is_noted_in_one_line(said):
+    told = Told("/ev")
+    _, number = told.line("asr")
+    os.write(number, said or b" ")
+    told.look()
+    told.others_heard(NOTHING)
+    assert all(text.isprintable() and len(text) < 300 for text in (*told.notes, *told.warnings, *told.new_words()))
+    told.close()
+
+
+def test_ends_of_a_topic_are_compared_at_the_last_step_that_both_have():
+    """A plant takes no command for its last instant, and a column is one step ahead."""
+
+    def heard(taken: dict[str, int], said: dict[str, int]) -> list[str]:
+        told = Told("/ev")
+        for node, values in (
+            ("plant", {"read": {"torque_command": taken}, "written": {}}),
+            ("asr", {"read": {}, "written": {"torque_command": said}}),
+        ):
+            _, number = told.line(node)
+            os.write(number, Word(TALLY, values=values).encoded())
+        told.look()
+        found = told.others_heard(NOTHING)
+        told.close()
+        return found
+
+    assert heard({"8": 5, "9": 6}, {"9": 6, "10": 7}) == []
+    assert heard({}, {"10": 7}) == []
+    (line,) = heard({"8": 5, "9": 6}, {"9": 5, "10": 7})
+    assert line.startswith("node plant: what it took on torque_command is not what asr has said")
+    assert len(heard({"8": 5}, {"9": 6})) == 1

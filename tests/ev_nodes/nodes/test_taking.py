@@ -1,0 +1,52 @@
+"""Messages are taken with the identity of their publisher, whatever rclpy itself passes on."""
+
+from __future__ import annotations
+
+from helpers.patience import wait_until
+from helpers.ros_graph import ros_domain
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from ev_nodes.node_loop import ordinary_steps
+from ev_nodes.stepping.signal_io import QUALITY
+from ev_nodes.stepping.taking import taker_of
+
+
+def test_a_message_names_its_publisher_as_the_graph_does():
+    """Of two publishers of one topic each message has that of its own; a long message arrives whole."""
+    with ros_domain() as context:
+        node = Node("node", context=context)
+        subscription = node.create_subscription(String, "words", print, QUALITY, raw=True)
+        take = taker_of(subscription.handle, String)
+        assert take() is None
+        names, senders = {}, []
+        for name, length in (("first", 1), ("second", 100_000)):
+            senders.append(Node(name, context=context))
+            publisher = senders[-1].create_publisher(String, "words", QUALITY)
+            wait_until(publisher.get_subscription_count)
+            publisher.publish(String(data=name[0] * length))
+            taken = []
+            wait_until(lambda taken=taken: taken.append(take()) or taken[-1])
+            message, info = taken[-1]
+            assert name.encode()[:1] * length in message
+            assert info["received_timestamp"] > 0
+            names[name] = info["publisher_gid"]["data"]
+        there = {each.node_name: bytes(each.endpoint_gid) for each in node.get_publishers_info_by_topic("words")}
+        assert names == there
+        assert take() is None
+
+
+def test_without_the_c_library_by_its_name_messages_are_taken_by_rclpy(monkeypatch):
+    """As on systems that name their libraries differently."""
+    with ros_domain() as context:
+        node = Node("node", context=context)
+        subscription = node.create_subscription(String, "words", print, QUALITY, raw=True)
+        monkeypatch.setattr("ev_nodes.stepping.taking.addresses", dict)
+        assert ordinary_steps.addresses(), "the wheels have it"
+        take = taker_of(subscription.handle, String)
+        publisher = node.create_publisher(String, "words", QUALITY)
+        wait_until(publisher.get_subscription_count)
+        publisher.publish(String(data="short"))
+        taken = []
+        wait_until(lambda: taken.append(take()) or taken[-1])
+        assert b"short" in taken[-1][0]

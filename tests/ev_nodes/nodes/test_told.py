@@ -1,0 +1,31 @@
+"""Who asks what a node is told does not leave the graph between that and the node."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from helpers.ros_graph import ros_domain
+
+from ev_bench.nodes import bench, gateway
+from ev_nodes import run_role
+
+
+@pytest.mark.parametrize("make", [gateway.make, bench.make], ids=["inverter_gateway", "test_bench"])
+def test_somebody_stays_when_the_asking_node_goes(make: Callable[..., Any], monkeypatch):
+    """A context leaves the graph with its last node, and Fast DDS may lock up others for that while they start."""
+    others = []
+
+    class Asking(run_role.Node):
+        def destroy_node(self) -> None:
+            others.append(set(self.get_node_names()) - {self.get_name()})
+            super().destroy_node()
+
+    monkeypatch.setattr(run_role, "Node", Asking)
+    with ros_domain() as context:
+        node = make(context=context)
+        assert others == [{f"_{node.get_name()}"}, {node.get_name()}]
+        assert node.get_node_names() == [node.get_name()]
+        node.close()
+        node.destroy_node()

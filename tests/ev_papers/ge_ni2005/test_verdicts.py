@@ -1,0 +1,102 @@
+"""The verdicts on Ge & Ni (2005), and what makes them fail."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+from helpers.judging import verdict_from, verdict_on
+
+from ev_papers.ge_ni2005 import paper
+from ev_study.verdicts.need import Need, ScenarioNeed
+from ev_study.verdicts.sources import published
+
+# A finding each: `increment` spins with u free, and with a heavier car; slip costs more with the law than without.
+NOT_REPRODUCED = {"ge.claim.speed", "ge.claim.robust", "ge.claim.efficiency"}
+
+
+@pytest.mark.parametrize("id", published("ge_ni2005"))
+def test_verdict_is_the_expected_one(id: str):
+    judgement = verdict_on(id).judgement
+    assert (judgement == "not reproduced") == (id in NOT_REPRODUCED)
+    assert judgement != "not measured"
+
+
+@pytest.mark.parametrize(
+    ("id", "changed"),
+    [
+        ("ge.eq.yaw_rate", ("*", "vehicle.tyre.front_cornering_stiffness", 11000.0)),
+        ("ge.eq.beta", ("*", "vehicle.tyre.rear_cornering_stiffness", 12500.0)),
+        ("ge.eq.v", ("plant", "initial_speed", 5.1)),
+        ("ge.eq.radius", ("*", "vehicle.wheelbase", 1.76)),
+        ("ge.eq.centripetal", ("plant", "speed", "free")),
+        ("ge.eq.loads", ("*", "vehicle.load_transfer", "none")),
+        ("ge.eq.slips", ("plant", "initial_drive_torque", (0.0, 0.0, 0.0, 0.0))),
+        ("ge.eq.speeds", ("plant", "initial_speed", 5.1)),
+        ("ge.fig4b.axis", ("steering_column", "profile.angle", (0.3,))),
+        ("ge.fig3e", ("electronic_differential", "target_slip", 0.12)),
+        ("ge.fig4c.axis", ("plant", "initial_speed", 6.0)),
+        ("ge.claim.beta", ("electronic_differential", "target_slip", 0.06)),
+        ("ge.claim.radius", ("electronic_differential", "target_slip", 0.06)),
+        ("ge.claim.centripetal", ("electronic_differential", "target_slip", 0.06)),
+        ("ge.claim.yaw_rate", ("electronic_differential", "target_slip", 0.06)),
+        ("ge.claim.v", ("electronic_differential", "target_slip", 0.06)),
+        ("ge.claim.slip_use", ("electronic_differential", "target_slip", 0.088)),
+        ("ge.claim.outer_slip_low", ("driver", "pedals.drive_torque", (2800.0,))),
+        ("ge.target", ("electronic_differential", "target_slip", 0.12)),
+        ("ge.turn_in", ("electronic_differential", "yaw_gain", 0.12)),
+        ("ge.parameters", ("*", "vehicle.mass", 2501.0)),
+        ("ge.law", ("electronic_differential", "k_outer", 90.0)),
+        ("ge.run", ("plant", "initial_speed", 5.1)),
+        ("ge.claim.best_force", ("electronic_differential", "target_slip", 0.06)),
+        ("ge.claim.yaw_target", ("electronic_differential", "yaw_gain", 0.0)),
+    ],
+)
+@pytest.mark.sampled
+def test_another_parameter_is_noticed(id: str, changed):
+    assert verdict_on(id, changed).judgement == "not reproduced"
+
+
+def test_the_layer_removes_the_chatter_of_one_reading_alone():
+    assert verdict_on("ge.claim.chatter").judgement == "in part"
+    assert verdict_on("ge.claim.chatter", ("electronic_differential", "boundary_layer", False)).judgement == (
+        "not reproduced"
+    )
+
+
+def test_at_the_speed_of_the_source_the_model_of_ackermann_does_not_hold():
+    """At 1 m/s wheel speeds turn the car as equal torques do, at 5 m/s by 30 % more."""
+
+    def at_5_m_per_s(need: Need) -> Need:
+        changed = ("plant", "initial_speed", 5.0)
+        return dataclasses.replace(need, values=(*need.values, changed)) if isinstance(need, ScenarioNeed) else need
+
+    assert verdict_from("ge.claim.low_speed", at_5_m_per_s).judgement == "not reproduced"
+
+
+def test_full_car_in_place_of_the_sources_own_is_noticed():
+    """With u free the source's car spins with `increment`, the full one drives off."""
+    changed = (("*", "vehicle.load_transfer", "both"), ("*", "vehicle.tyre.lateral_curve", "linear"))
+    assert verdict_on("ge.claim.speed", *changed).judgement == "reproduced"
+
+
+def test_values_that_follow_are_those_of_the_equations():
+    """published.csv has seven digits of what the printed equations give with the printed parameters."""
+    turn, speeds, slips = paper.steady_turn(), paper.rear_speeds(), [paper.slip_of(n) for n in paper.rear_loads()]
+    change = paper.YAW_GAIN * (0.0 - paper.STEERING * paper.SPEED / paper.WHEELBASE)  # eq 6 before the car yaws
+    target = paper.friction(paper.TARGET) * paper.REAR_LOAD * paper.RADIUS  # holds lambda_3* straight ahead [N m]
+    follows = {
+        "eq.yaw_rate": [turn.yaw_rate],
+        "eq.beta": [turn.sideslip],
+        "eq.v": [turn.lateral_speed],
+        "eq.radius": [turn.radius],
+        "eq.centripetal": [turn.centripetal_acceleration],
+        "eq.loads": paper.rear_loads(),
+        "eq.slips": [*slips, paper.slip_of(paper.REAR_LOAD)],
+        "eq.speeds": [*speeds, *(speed / (1.0 - slip) for speed, slip in zip(speeds, slips, strict=True))],
+        "target": [target],
+        "turn_in": [change, paper.TARGET - change],
+    }
+    for id, values in follows.items():
+        written = [check.value for check in published("ge_ni2005")[f"ge.{id}"].checks]
+        assert written == pytest.approx(list(values), rel=1e-6), id

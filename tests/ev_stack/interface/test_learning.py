@@ -1,0 +1,299 @@
+"""The Gymnasium environments: the checker's rules, the plain run's bits, and what a random agent gets."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import ev_doors.learning
+import ev_stack
+from ev_core.methods.register import methods_of
+from ev_core.parameters.data_file import files_in_config
+from ev_doors.learning.environment import ACTIONS, Environment
+from ev_doors.learning.limits import limits
+from ev_msgs_py.contract import frame
+from ev_msgs_py.refusal import ParameterError
+from ev_stack.interface.simulation import Simulation
+from ev_stack.recording.offline import written_topics
+from ev_stack.recording.recording import signal_hash
+from ev_stack.scenarios.about import vehicle_of
+from ev_study.commands.benchmark import run_benchmark
+
+EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "random_agent.py"
+BRAKES_BY_DRIVES = ("blended_brakes",)
+NOISE = {"plant.sensors.imu_yaw_rate.noise": 0.01}
+DURATION = 0.4
+
+
+@pytest.mark.parametrize("name", ev_doors.learning.IDS)
+@pytest.mark.filterwarnings("ignore:.*(Box action space|no `spec`)")
+def test_environments_keep_the_rules_of_gymnasium(name):
+    """Bounds in N m are not -1 to 1, but those of motors and hands: that is all that the checker remarks."""
+    check_env(gymnasium.make(name, duration=DURATION, render_mode="rgb_array").unwrapped)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "run"), [("double_lane_change", ""), ("launch_split_mu", "fixed_steering"), ("shchur2019", "")]
+)
+def test_everything_that_a_car_shows_lies_within_its_limits(scenario, run):
+    """On planar and kinematic plant, so that nothing is cut off."""
+    everything = [
+        topic.name.replace("/", ".") for topic in written_topics(Simulation(scenario, run=run).configurations)
+    ]
+    driven = {"set": {"plant.initial_speed": 22.0}} if scenario == "double_lane_change" else {}
+    environment = Environment(scenario, observe=everything, run=run, duration=2.0, **driven)
+    assert {*environment.observed} == {*environment.limits} >= {"pose.x", "torque_request.brake.rear_left"}
+    assert np.isfinite(environment.observation_space.high).all()
+    _, info = environment.reset(seed=1)
+    over = False
+    while not over:
+        seen, _, _, over, info = environment.step(info["own"])
+        assert seen.tolist() == [info["frame"][name] for name in environment.observed]
+
+
+@pytest.mark.parametrize("car", sorted(files_in_config("vehicles")))
+def test_every_channel_of_every_car_has_a_limit(car):
+    vehicle = vehicle_of(car)
+    found = limits(tuple(frame.channels()), vehicle, 10.0, start={}, motor_torque=vehicle.motor.peak_torque)
+    assert all(0.0 < limit.largest < math.inf and limit.reason for limit in found.values())
+
+
+@pytest.mark.parametrize("car", sorted(files_in_config("vehicles")))
+def test_the_bounds_of_torques_are_those_that_the_plant_lets_a_wheel_have(car):
+    """A torque beyond the upper bound is cut to it by the guard, and one at the bound is not: axles may differ."""
+    scenario, law = "step_steer", {"electronic_differential": "equal_torque"}
+    environment = Environment(scenario, run="left", vehicle=car, method=law, duration=1.0)
+    plant = environment.simulation.configurations["plant"]
+    guard = plant.method.law.prepare(plant.parameters, plant.common.vehicle, 0.01)
+    wheels = [channel.rpartition(".")[2] for channel in environment.channels]
+    most = [getattr(guard.limits.drive, wheel) for wheel in wheels]
+    assert environment.action_space.high.tolist() == most
+    assert (environment.action_space.low <= 0.0).all()
+    limited = Environment(scenario, "traction_control", run="left", vehicle=car, method=law, duration=1.0)
+    assert (limited.action_space.high >= environment.action_space.high).all()
+    assert limited.action_space.low.tolist() == [0.0] * len(wheels)
+
+
+def test_the_bounds_on_the_kinematic_plant_are_those_of_its_drives():
+    """Whose largest torque is a parameter of the plant, and not of the car."""
+    environment = Environment("shchur2019", set={"plant.motor.torque_limit": 40.0})
+    gear = environment.simulation.configurations["plant"].common.vehicle.gear_ratio
+    assert environment.action_space.high.tolist() == [40.0 * gear] * 2
+    assert environment.action_space.low.tolist() == [-40.0 * gear] * 2
+
+
+def test_what_lies_beyond_a_limit_is_observed_as_the_limit():
+    """As a sensor saturates; a broken one shows 1000 rad/s here, where no car turns by more than 10 rad/s."""
+    broken = {"plant.faults": ["constant imu.yaw_rate -1000"]}
+    environment = Environment("double_lane_change", observe=("imu.yaw_rate",), set=broken)
+    environment.reset(seed=1)
+    seen, *_, info = environment.step(np.zeros(2))
+    assert info["frame"]["imu.yaw_rate"] == -1000.0 and seen.tolist() == [-10.0]
+    assert seen in environment.observation_space
+
+
+def test_a_picture_shows_the_car_where_it_is():
+    """The body is grey, and longer than it is wide: along the picture, and up where it has turned by 90 deg."""
+    for heading, along in ((0.0, 1), (math.pi / 2.0, 0)):
+        still = {"plant.initial_heading": heading}
+        environment = Environment("double_lane_change", render_mode="rgb_array", set=still)
+        environment.reset(seed=1)
+        pixels = environment.render()
+        body = np.argwhere((pixels[120:360, 120:360] == 211).all(axis=2))  # away from the letters
+        extent = np.ptp(body, axis=0)
+        assert pixels.shape == (480, 480, 3) and pixels.dtype == np.uint8
+        assert extent[along] > 1.5 * extent[1 - along] > 0
+    assert environment.metadata["render_fps"] == pytest.approx(1e9 / environment.simulation.period)
+    assert Environment("double_lane_change").render() is None
+
+
+@pytest.mark.parametrize(
+    ("action", "role", "method"),
+    [
+        ("torque_split", "electronic_differential", "power_steering"),
+        ("traction_control", "asr", "pi_slip"),
+        ("steering", "driver", None),
+    ],
+)
+def test_who_acts_like_the_law_gets_the_bits_of_the_plain_run(action, role, method):
+    changed = {"set": NOISE, "duration": DURATION, "method": {role: method} if method else {}, "seed": 3}
+    environment = Environment("double_lane_change", action, record=True, **{**changed, "seed": None})
+    _, info = environment.reset(seed=3)
+    over = False
+    while not over:
+        _, _, _, over, info = environment.step(info["own"])
+    plain = ev_stack.run("double_lane_change", **changed)
+    assert signal_hash(environment.simulation.recording) == signal_hash(next(iter(plain.runs.values())))
+
+
+@pytest.mark.parametrize("method", [name for name, each in methods_of("asr").items() if "plant" not in each.requires])
+def test_who_acts_like_any_traction_control_gets_the_bits_of_the_plain_run_or_one_line(method):
+    """On split friction, braked and steered: limits of what is asked for, or a law that brakes by the drives."""
+    changed = {"duration": 1.5, "method": {"asr": method}, "vehicle": "audi_a2"}
+    environment = Environment("straight_brake_split_mu", "traction_control", run="steered", record=True, **changed)
+    over = False
+    try:
+        _, info = environment.reset(seed=1)
+        while not over:
+            _, _, _, over, info = environment.step(info["own"])
+    except ParameterError as error:
+        assert method in BRAKES_BY_DRIVES
+        assert f"asr method {method} writes torque_command.drive." in str(error)
+        return
+    assert method not in BRAKES_BY_DRIVES
+    plain = ev_stack.run("straight_brake_split_mu", runs=["steered"], seed=1, **changed)
+    assert signal_hash(environment.simulation.recording) == signal_hash(plain.runs["steered"])
+
+
+def test_a_step_before_the_first_reset_is_refused():
+    environment = Environment(duration=DURATION)
+    with pytest.raises(ParameterError, match=r"^step is refused before the first reset, expected is reset\(\) before"):
+        environment.step(np.zeros(2))
+
+
+def test_an_option_of_reset_is_refused():
+    environment = Environment("double_lane_change")
+    environment.reset(options={})
+    with pytest.raises(ParameterError, match=r"^reset option 'plant\.initial_speed' is refused, expected is none"):
+        environment.reset(options={"plant.initial_speed": 10.0})
+
+
+def test_what_is_observed_rewarded_and_ended_is_the_users():
+    environment = Environment(
+        "double_lane_change",
+        observe=("imu", "twist.longitudinal"),
+        reward=lambda frame, action, own: frame["twist.longitudinal"] + action[0],
+        ends=lambda frame: frame["pose.x"] > 0.5,
+        set=NOISE,
+    )
+    first, _ = environment.reset(seed=1)
+    seen, reward, ended, over, info = environment.step(np.array([7.0, 0.0]))
+    assert environment.observed[-1] == "twist.longitudinal"
+    assert seen.tolist() == [info["frame"][name] for name in environment.observed]
+    assert reward == seen[-1] + 7.0
+    assert (ended, over) == (info["frame"]["pose.x"] > 0.5, False)
+    again, _ = environment.reset(seed=1)
+    other, _ = environment.reset()
+    assert first.tolist() == again.tolist() != other.tolist()
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))], ids=["copy", "pickle"])
+@pytest.mark.parametrize("action", ACTIONS)
+def test_a_copy_goes_on_with_the_same_bits_and_by_itself(action, copied):
+    environment = Environment("double_lane_change", action, set=NOISE)
+    _, info = environment.reset(seed=2)
+    for _ in range(3):
+        info = environment.step(info["own"])[4]
+    other = copied(environment)
+    seen, reward, *_ = environment.step(info["own"])
+    seen_by_other, reward_of_other, *_ = other.step(info["own"])
+    assert (seen.tolist(), reward) == (seen_by_other.tolist(), reward_of_other)
+    assert environment.reset()[0].tolist() == other.reset()[0].tolist()  # the next seed, too
+
+
+@pytest.mark.parametrize("action", [1.0, [1.0], [1.0, 2.0, 3.0], [[1.0, 2.0]]])
+def test_an_action_of_another_shape_is_refused_and_nothing_is_done(action):
+    environment = Environment("double_lane_change")
+    environment.reset(seed=1)
+    with pytest.raises(ParameterError) as error:
+        environment.step(np.array(action))
+    channels = "torque_request.drive.front_left, torque_request.drive.front_right"
+    assert str(error.value) == f"action of shape {np.shape(action)} is refused, expected (2,), of {channels}"
+    assert environment.simulation.time == 0.0
+
+
+@pytest.mark.parametrize("kind", ["torque_split", "traction_control", "steering"])
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, None, "3", 1j], ids=str)
+def test_an_action_that_is_no_finite_number_is_refused_and_nothing_is_done(kind, wrong):
+    """Neither as no limit at all, as NaN is in comparisons, nor behind a step that is done already."""
+    environment = Environment("double_lane_change", kind)
+    environment.reset(seed=1)
+    action = np.full(environment.action_space.shape, 1.0).astype(object if wrong is None else type(wrong))
+    action[-1] = wrong
+    with pytest.raises(ParameterError, match=r"^action .* is refused, expected are finite numbers$"):
+        environment.step(action)
+    assert environment.simulation.time == 0.0
+
+
+def test_a_limit_below_zero_lets_nothing_through():
+    """It does not drive the car: what is asked for is held at 0, as with the limit 0."""
+    found = []
+    for limit in (0.0, -100.0):
+        environment = Environment("launch_split_mu", "traction_control", run="fixed_steering")
+        environment.reset(seed=1)
+        for _ in range(100):
+            frame = environment.step(np.array([limit, limit]))[4]["frame"]
+        found.append(frame)
+    assert found[0]["torque_request.drive.front_left"] > 300.0
+    assert found[0]["torque_command.drive.front_left"] == 0.0
+    assert found[1] == found[0]
+
+
+def test_what_an_action_means():
+    """Traction control lets through what is asked for up to its limit, either way."""
+    environment = Environment("launch_split_mu", "traction_control", run="fixed_steering")
+    environment.reset(seed=1)
+    for _ in range(100):
+        environment.step(np.array([200.0, 1e4]))
+    frame = environment.step(np.array([200.0, 1e4]))[4]["frame"]
+    left, right = (frame[f"torque_request.drive.front_{side}"] for side in ("left", "right"))
+    assert left > 300.0
+    shown = [frame[f"wheel_states.effort.front_{side}"] for side in ("left", "right")]
+    assert shown == pytest.approx([200.0, right], rel=0.05)  # the motors lag by some milliseconds
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        ({"action": "brakes"}, "unknown action 'brakes'; known: steering, torque_split, traction_control"),
+        ({"render_mode": "human"}, "unknown render_mode 'human'; known: rgb_array"),
+        ({"observe": ("imu.yaw",)}, "unknown channel 'imu.yaw'; did you mean imu.yaw_rate"),
+    ],
+)
+def test_wrong_words_get_one_line(told, said):
+    with pytest.raises(ParameterError) as error:
+        Environment(**told)
+    assert str(error.value).startswith(said)
+
+
+def test_without_gymnasium_one_line_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "gymnasium", None)
+    monkeypatch.delitem(sys.modules, "ev_doors.learning")
+    with pytest.raises(ImportError, match=r"^gymnasium cannot be imported .*: pip install 'ev_doors\[gymnasium\]'$"):
+        __import__("ev_doors.learning")
+
+
+def test_the_example_runs(capsys):
+    for _ in range(2):
+        runpy.run_path(str(EXAMPLE))
+        lines = capsys.readouterr().out.splitlines()
+        assert [line.partition(",")[0] for line in lines] == ["seed 1: 2.01 s", "seed 2: 2.01 s"]
+
+
+def test_a_policy_is_learned_here_and_driven_on_the_board(tmp_path: Path):
+    """One generation of short episodes; the law with its weights keeps the contract, and is ranked.
+
+    It is trained in a process of its own, as a user does: what imports policy.py has its law in the register from then.
+    """
+    weights, folder = tmp_path / "weights.yaml", EXAMPLE.parent / "learned"
+    words = [sys.executable, str(folder / "train.py"), str(weights), "--generations", "1", "--duration", "0.1"]
+    learned = []
+    for _ in range(2):  # seeded: again the same policy, in the place of the first one
+        output = subprocess.run(words, check=True, capture_output=True, text=True).stdout
+        assert "generation 1: least mean loss" in output
+        learned.append(weights.read_text())
+    assert learned[0] == learned[1]
+    words = ["--laws", "equal_torque", "--cells", "layout_1_8_c:all:step_steer:wet:*", "--draws", "1", "--no-report"]
+    for _ in range(2):
+        run_benchmark(["--add", f"{folder / 'policy.py'}={weights}", *words, "--out", str(tmp_path / "out")])
+    assert "## weights" in (tmp_path / "out" / "laws.md").read_text()

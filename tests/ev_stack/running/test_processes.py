@@ -1,0 +1,27 @@
+"""How the nodes of a run are started, and what a run waits for at its end."""
+
+import os
+from pathlib import Path
+
+import pytest
+from helpers.ros_graph import shchur
+
+from ev_msgs_py.contract.roles import RECORDER, ROLES
+from ev_stack import recorder_node as recorder
+from ev_stack.running.node_process import command
+from ev_stack.running.processes import run_in_process
+
+
+@pytest.mark.parametrize("name", [*ROLES, RECORDER])
+def test_no_program_stands_between_the_runner_and_a_node(name):
+    """`ros2 run` hands no death signal on: nodes outlived a runner that was killed."""
+    (path,) = command(name)
+    assert os.access(path, os.X_OK) and Path(path).name == name
+
+
+@pytest.mark.slow
+def test_one_process_stays_until_the_plant_has_ended_too(monkeypatch, tmp_path: Path):
+    """In real time the plant ends a period, 10 ms, behind its last state, which a quick recorder has by then."""
+    monkeypatch.setattr(recorder, "POLL_PERIOD", 0.001)
+    outcome = run_in_process(shchur(0.2, **{"*__mode": "realtime"}), tmp_path, True, lambda _: None)
+    assert outcome.timing["steps"] == 20
