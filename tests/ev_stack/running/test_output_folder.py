@@ -317,6 +317,24 @@ def test_a_run_and_a_study_read_no_file_that_they_remove(tmp_path: Path, monkeyp
     assert Path("out/mine.yaml").exists()
 
 
+@pytest.mark.parametrize("option", [None, "--vehicle"], ids=["scenario", "car"])
+def test_a_folder_may_have_the_name_of_the_scenario_or_car_that_is_driven(tmp_path: Path, monkeypatch, option):
+    """These stand in a config folder: the second run replaces the first one."""
+    monkeypatch.chdir(tmp_path)
+    name = "compact_ev" if option else "shchur2019"
+    words = ("run", "shchur2019", *SHORT, "--offline", *([option, name] if option else []), "--out", name)
+    for _ in range(2):
+        program.perform(words)
+    assert Path(name, "summary.json").exists()
+
+
+def test_a_folder_below_one_that_is_read_is_none_that_is_read(tmp_path: Path):
+    """A run is validated into a folder of its own, once more as well."""
+    for _ in range(2):
+        with OutputFolder(tmp_path / "run" / "validate", "validate", ["summary.json"], reads=[tmp_path / "run"]) as to:
+            (to.directory / "summary.json").write_text("{}")
+
+
 def test_names_and_manifests_that_nobody_can_read_are_refused(tmp_path: Path):
     """A folder whose name is no text was driven for and then refused; a manifest of any size was read."""
     with pytest.raises(ParameterError, match=r"is refused, expected the name of a folder in UTF-8$"):

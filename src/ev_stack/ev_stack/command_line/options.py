@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import shlex
 import sys
 from collections.abc import Sequence
@@ -176,9 +177,13 @@ def overrides(given: argparse.Namespace) -> Overrides:
     return Overrides.of(values, given.seed, given.duration, given.vehicle, given.params, cycle)
 
 
-def files_read(given: argparse.Namespace) -> list[Path | str]:
-    """The files that a command line names for `overrides`; a name in a config folder is none that a command writes."""
-    return [name for name in (given.vehicle, getattr(given, "cycle", None), *given.params) if name]
+def files_read(given: argparse.Namespace, *words: str) -> list[Path | str]:
+    """The files that a command line names for `overrides`, and those among further words.
+
+    A name in a config folder has neither folder nor suffix, and may be that of an output folder as well.
+    """
+    named = (given.vehicle, getattr(given, "cycle", None), *words)
+    return [*given.params, *(word for word in named if word and (os.sep in word or Path(word).suffix))]
 
 
 def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:

@@ -50,7 +50,7 @@ def drive_scenario(given: argparse.Namespace) -> None:
     commands = {role: " ".join(words) for role, words in own_nodes(given).items()}
     mode = f"{way}, realtime" if given.realtime else way
     compile_for(scenario.runs, not given.offline, own_nodes(given))
-    before, reads = _command_of(out), [given.scenario, *files_read(given)]
+    before, reads = _command_of(out), files_read(given, given.scenario)
     with OutputFolder(out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs, reads=reads) as folder:
         outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
         result = Result(scenario, outcomes, mode, commands, given.command)

@@ -170,7 +170,7 @@ class OutputFolder:
                         raise self._refused(name, self._whose(each))
 
     def _refuse_what_is_read(self, names: Iterable[str], runs: Iterable[Run], reads: Sequence[Path]) -> None:
-        """ParameterError if one of these files, which would be lost, is read or lies in a folder that is.
+        """ParameterError if one of these files, which would be lost, is read or lies in a folder that is, not deeper.
 
         A run also reads the recordings that its methods play back.
         """
@@ -180,7 +180,7 @@ class OutputFolder:
             path = (self.directory / name).resolve()
             if path in recordings:
                 raise self._refused(name, "is what is played back")
-            if any(path.is_relative_to(each) for each in reads):
+            if path in reads or path.parent in reads:
                 raise self._refused(name, "is what this command reads")
 
     def _whose(self, name: str) -> str:

@@ -116,7 +116,7 @@ def _tune(
     command: str,
 ) -> None:
     result = f"{name}_tuned.yaml"
-    reads = [given.board, *(word.partition("=")[2] for word in given.laws)]
+    reads = [word.partition("=")[2] for word in given.laws]
     with OutputFolder(out, "tune", (result, HISTORY), reads=reads) as folder:
         answers = Answers(ResultStore(digest_of_sources(config=True)), key)
         # The runs of both are asked for at the same numbers of cells.
