@@ -32,5 +32,5 @@ def test_every_test_of_a_law_is_that_of_a_law_or_of_many():
     """A file that is left over would test nothing that a reader finds."""
     of_many = {"test_asr_launches", "test_asr_properties", "test_differential_properties", "test_lost_sensors"}
     of_many |= {"test_asr_rolling_starts", "test_own_indices", "test_slippery_hills", "test_speed_mode"}
-    names = {path.stem for path in (ROOT / "tests" / "laws").glob("test_*.py")}
+    names = {path.stem for path in (ROOT / "tests" / "ev_control" / "laws").glob("test_*.py")}
     assert names - of_many == {f"test_{method.name}" for _, method in LAWS}

@@ -14,7 +14,7 @@ from pathlib import Path
 
 @contextmanager
 def process(*words: str, folder: Path | None = None) -> Iterator[subprocess.Popen]:
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path[1:]])}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path[1:]])}
     started = subprocess.Popen(
         [sys.executable, "-m", *words],
         env=environment,

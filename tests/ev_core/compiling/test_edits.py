@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -63,9 +64,9 @@ NEW = "import json, sys\nfrom compiling.edited_law import namespace, said\n"
 EVERY = f"{NEW}for numbers in json.loads(sys.argv[1]):\n    print(*said(namespace(numbers)))"
 
 
-def in_new_process(text: str, *arguments: str, folder: Path) -> list[str]:
+def in_new_process(text: str, *arguments: str, folders: Sequence[Path]) -> list[str]:
     """What a new process prints, line by line."""
-    path = os.pathsep.join((str(folder), os.environ.get("PYTHONPATH", "")))
+    path = os.pathsep.join((*map(str, folders), os.environ.get("PYTHONPATH", "")))
     # Without files of bytecode: Python takes an old one where two texts of one length are of the same second.
     command = [sys.executable, "-B", "-c", text, *arguments]
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": path})
@@ -86,7 +87,7 @@ def test_the_compiled_law_is_the_plain_one_after_every_edit():
         assert compiled == plain
         heard.append(tuple(map(float, compiled)))
     assert len(set(heard)) == len(STATES)
-    said_again = in_new_process(EVERY, json.dumps(STATES[::-1]), folder=Path(__file__).parents[2])
+    said_again = in_new_process(EVERY, json.dumps(STATES[::-1]), folders=Path(__file__).parents[1:3])
     assert [eval(line.partition(") ")[0] + ")", {"Wheels": Wheels}) for line in said_again] == heard[::-1]
 
 
@@ -101,7 +102,7 @@ def test_a_constant_of_another_module_acts_in_the_next_process(tmp_path):
     call = f"{imports}\nprint(compiled(limiting)(2.0))"
     for limit in (0.25, 0.75):
         (tmp_path / "consts.py").write_text(f"LIMIT = {limit}\n")
-        assert in_new_process(call, folder=tmp_path) == [str(2.0 * limit)]
+        assert in_new_process(call, folders=[tmp_path]) == [str(2.0 * limit)]
 
 
 def test_one_law_with_two_classes_of_parameters_reads_each_where_it_stands():

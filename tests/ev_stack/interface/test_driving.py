@@ -30,7 +30,7 @@ def result():
 
 @pytest.mark.slow
 def test_a_run_is_that_of_the_command(result, tmp_path):
-    """Which has the hash of all other ways to run (tests/running/test_hashes.py, test_machines.py)."""
+    """Which has the hash of all other ways to run (tests/ev_stack/running/test_hashes.py, test_machines.py)."""
     words = ["--set", "electronic_differential.gamma=4.0", "--set", "*.control_period=0.02", "--seed", "3"]
     main(["shchur2019", "--offline", "--no-record", "--duration", "1", *words, "--out", str(tmp_path / "command")])
     result.save(tmp_path / "saved")
