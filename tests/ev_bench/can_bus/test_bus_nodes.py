@@ -309,7 +309,7 @@ def test_a_file_names_no_log_outside_the_working_directory(tmp_path: Path, monke
             InverterGatewayNode(context=context, namespace=NAMESPACE, cli_args=told).close()
 
     for log in ("../elsewhere.log", str(tmp_path / "elsewhere.log")):
-        with pytest.raises(ValueError, match=r"^parameter bus.log: '\S+' is refused, allowed from a file is "):
+        with pytest.raises(ValueError, match=r"^parameter bus.log: '\S+' is refused, expected from a file "):
             gateway(log)
         assert not (tmp_path / "elsewhere.log").exists()
     gateway("own.log")
@@ -323,7 +323,7 @@ def test_a_file_opens_no_socket_to_a_network(tmp_path: Path):
     file = tmp_path / "own.yaml"
     values = "{bus.interface: virtual, bus.address: 192.0.2.7}"
     file.write_text(f"/**/inverter_gateway:\n  ros__parameters: {values}\n")
-    refused = r"bus\.address: '192.0.2.7' is refused, allowed from a file is 127.0.0.1; "
+    refused = r"bus\.address: '192.0.2.7' is refused, expected from a file 127.0.0.1; "
     can = ("test_bench", "method", "circuits_on_can")
     with pytest.raises(ParameterError, match=refused):
         load_scenario("urban_mixed_bench", Overrides([file], [can]))

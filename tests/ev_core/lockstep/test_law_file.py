@@ -127,7 +127,7 @@ def test_no_file_of_data_may_name_one(tmp_path):
     law, more = law_file(tmp_path), tmp_path / "more.yaml"
     for name in (law, f"{law}:share"):
         more.write_text(f"/**/asr:\n  ros__parameters:\n    method: {name}\n")
-        with pytest.raises(ParameterError, match=r"is refused, allowed from a file is a name: .*code is named on the"):
+        with pytest.raises(ParameterError, match=r"is refused, expected from a file a name: .*code is named on the"):
             ev_stack.run("shchur2019", params=[more], duration=0.1)
 
 

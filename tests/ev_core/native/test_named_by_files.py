@@ -46,7 +46,7 @@ def test_no_file_has_a_library_loaded(library, tmp_path, what):
     """Its constructor ran before somebody could see that it has no law."""
     file = tmp_path / "own.yaml"
     file.write_text(ASR.format(library).replace("**", "ev"))
-    refused = rf"\.yaml: parameter method: '{library}' is refused, allowed from a file is a name: .*--method asr="
+    refused = rf"\.yaml: parameter method: '{library}' is refused, expected from a file a name: .*--method asr="
     with pytest.raises(ParameterError, match=refused):
         if what == "scenario":
             load_scenario(str(file))
@@ -76,7 +76,7 @@ def test_a_node_takes_it_from_its_command_line_only(library, tmp_path):
     for words in (("--params-file", file), ("--params-file", file, "-p", f"method:={library}.so")):
         status, said = said_by_node(*words)
         assert status == 1
-        assert f"method {library}.so" in said or "is refused, allowed from a file is a name: " in said
+        assert f"method {library}.so" in said or "is refused, expected from a file a name: " in said
     assert not (tmp_path / "ran").exists()
     for word in (f"method:={library}", f'asr:method:="{library}"'):
         status, said = said_by_node("--params-file", file, "-p", word)

@@ -114,7 +114,7 @@ def test_no_board_makes_a_law_file_run(tmp_path: Path, old: str, new: str):
     (tmp_path / "my_law.py").write_text(f"open({str(mark)!r}, 'w').close()\n")
     path = tmp_path / "own.yaml"
     path.write_text(files_in_config("benchmarks")["small"].read_text().replace(old, new, 1))
-    with pytest.raises(ParameterError, match=re.escape("is refused, allowed from a file is a name")):
+    with pytest.raises(ParameterError, match=re.escape("is refused, expected from a file a name")):
         run_benchmark([str(path), "--draws", "1", "--out", str(tmp_path / "out")])
     assert not mark.exists()
 

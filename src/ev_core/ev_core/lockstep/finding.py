@@ -84,7 +84,7 @@ def find_method(role: str, name: str) -> Method:
     """
     if isinstance(name, str) and is_code(name) and isinstance(name, TextOfFile):
         raise ParameterError(
-            f"{name.file}: parameter method: {quoted(str(name))} is refused, allowed from a file is a name: "
+            f"{name.file}: parameter method: {quoted(str(name))} is refused, expected from a file a name: "
             f"{', '.join(methods_of(role))}; code is named on the command line: --method {role}=PATH, for a "
             "node -p method:=PATH"
         )
