@@ -1,4 +1,4 @@
-"""How the efficiencies of the five methods depend on assumptions: one at a time is changed."""
+"""Sensitivity of the wheel efficiencies of the five methods to assumptions, one at a time."""
 
 from __future__ import annotations
 
@@ -14,18 +14,31 @@ from ev_sim.surfaces import SURFACES
 from ev_stack.measures.metric import Metric, mean_over_seeds
 from ev_study.studies.study import Case, Results
 
-ABOUT = "Dissertation, five methods - how the wheel efficiencies depend on assumptions, one changed at a time"
-
-
+ABOUT = (
+    "Dissertation, five methods - how the wheel efficiencies depend on assumptions, "
+    "one changed at a time"
+)
 COLUMNS = ("what is assumed otherwise", *(f"method {method}" for method in METHODS))
+_LAW = "electronic_differential"
+_LIMIT = (_LAW, "limit", True)
+_NOISE: Values = (
+    ("plant", "sensors.wheel_speed.noise", 0.03),  # [rad/s]
+    ("plant", "sensors.wheel_torque.noise", 0.5),  # [N m]
+)
+_ONE_BLOCK: Values = (
+    ("*", "vehicle.battery.open_circuit_voltage", [329.6, 329.6]),
+    ("*", "vehicle.battery.resistance", 0.103),
+)
+
+measure = urban_cases.measure
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
     """Another assumption: its name, its parameters, and the methods that it concerns.
 
-    `driver` is another one than the study's, `quantity` another way to count what is measured; a change of that alone
-    reads the runs of the change `like`.
+    `driver` is another one than the study's, `quantity` another way to count; a change of that
+    alone reads the runs of the change `like`.
     """
 
     name: str
@@ -38,7 +51,7 @@ class Change:
 
 
 def _surfaces(variant: int) -> Values:
-    """Both surfaces in their second (or first) variant, and the power for the limit of that snow."""
+    """Both surfaces in a variant, and the power of the driver for the limit of that snow."""
     snow = SURFACES[f"packed_snow_{variant}"]
     return (
         ("plant", "road.random_surfaces", [f"wet_asphalt_{variant}", f"packed_snow_{variant}"]),
@@ -51,18 +64,6 @@ def _segments(shortest: float, longest: float) -> Values:
     """Lengths of the segments of the road [m]."""
     return (("plant", "road.random_shortest", shortest), ("plant", "road.random_longest", longest))
 
-
-_LAW = "electronic_differential"
-_LIMIT = (_LAW, "limit", True)
-_NOISE = (
-    ("plant", "sensors.wheel_speed.noise", 0.03),
-    ("plant", "sensors.wheel_torque.noise", 0.5),
-)  # rad/s, N m
-
-_ONE_BLOCK = (
-    ("*", "vehicle.battery.open_circuit_voltage", [329.6, 329.6]),
-    ("*", "vehicle.battery.resistance", 0.103),
-)
 
 CHANGES = (
     Change("base", "as in five_methods"),
@@ -143,57 +144,62 @@ CHANGES = (
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """How many roads, and which driver."""
+    """Add the number of roads, and the driver."""
     parser.add_argument(
-        "--seeds", type=int, default=2, metavar="N", help="roads, with the seeds 1 to N; default 2"
+        "--seeds",
+        type=int,
+        default=2,
+        metavar="N",
+        help="roads, with the seeds 1 to N; default 2",
     )
     parser.add_argument(
-        "--driver", choices=DRIVERS, default="imposed_speed", help="default: imposed_speed"
+        "--driver",
+        choices=DRIVERS,
+        default="imposed_speed",
+        help="default: imposed_speed",
     )
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every method that a change concerns, on every road."""
-    return [
-        urban_cases.case(
-            method, change.driver or given.driver, seed, _name(change, method, seed), change.values
-        )
-        for change in CHANGES
-        for method in change.methods
-        for seed in roads(given)
-        if not change.like
-    ]
+    found = []
+    for change in CHANGES:
+        # Another way to count reads the runs of the change that it is like.
+        if change.like:
+            continue
+        driver = change.driver or given.driver
+        for method in change.methods:
+            for seed in roads(given):
+                name = _name(change, method, seed)
+                found.append(urban_cases.case(method, driver, seed, name, change.values))
+    return found
 
 
 def _name(change: Change, method: str, seed: int) -> str:
     return f"{change.like or change.name} method {method} seed {seed}"
 
 
-measure = urban_cases.measure
-
-
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
-    """Wheel efficiency of each change and method, means over the seeds; of imposed speed without rolling resistance."""
+    """Wheel efficiency of each change and method, means over the seeds.
+
+    Of imposed speed it is that without rolling resistance.
+    """
     found = {}
     for change in CHANGES:
+        quantity = change.quantity or judged_quantity(given.driver)
         for method in change.methods:
             measured = [results[_name(change, method, seed)].measured for seed in roads(given)]
-            values = [
-                value[change.quantity or judged_quantity(given.driver)]
-                for value in measured
-                if value
-            ]
+            values = [each[quantity] for each in measured if each]
             name = f"wheel_efficiency_{method}_{change.name}"
-            found[name] = (
-                mean_over_seeds(values, "1")
-                if values
-                else Metric(None, "1", reason="no case came to traction")
-            )
+            if values:
+                found[name] = mean_over_seeds(values, "1")
+            else:
+                found[name] = Metric(None, "1", reason="no case came to traction")
     return found
 
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
-    """Each change with the wheel efficiency of every method, and in brackets how far that is from the base."""
+    """Wheel efficiency of every method by change, and in brackets its distance from the base."""
     found = metrics(given, results)
 
     def shown(change: Change, method: str) -> str:
@@ -205,4 +211,8 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
             return "-"
         return f"{value:.3f}" if change.name == "base" else f"{value:.3f} ({value - base:+.3f})"
 
-    return [(change.title, *(shown(change, method) for method in METHODS)) for change in CHANGES]
+    rows = []
+    for change in CHANGES:
+        numbers = (shown(change, method) for method in METHODS)
+        rows.append((change.title, *numbers))
+    return rows
