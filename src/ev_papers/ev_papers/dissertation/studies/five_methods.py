@@ -1,4 +1,4 @@
-"""All five methods over all seeds and drivers, beside tables 3.1 to 3.6 and 5.1 to 5.6 of the dissertation."""
+"""All five methods over all seeds and drivers, beside tables 3.1 to 3.6 and 5.1 to 5.6."""
 
 from __future__ import annotations
 
@@ -26,34 +26,78 @@ from ev_stack.measures.metric import Metric, mean_over_seeds
 from ev_study.studies.study import Case, Results
 from ev_study.verdicts.sources import published_value
 
+ABOUT = (
+    "Dissertation, tables 3.1 to 3.6 and 5.1 to 5.6 "
+    "- five methods, three drivers, many roads (--seeds N)"
+)
+COLUMNS = (
+    "driver",
+    "method",
+    "2.37 right",
+    "left",
+    "mean",
+    "printed",
+    "speeds alone",
+    "whole windows",
+    "2.38 right",
+    "left",
+    "mean",
+    "printed",
+    "2.39",
+    "printed",
+    "energy, 2.40 [kW min]",
+    "over the windows",
+    "with n in traction",
+    "printed, as kWh",
+)
+LEFT = 2
+SUMS = ("methods_apart_", "method_1_above_2_", "seeds_with_", "gain_")
+MEASURED = {  # quantities of `urban_cases.measure` by unit
+    "1": (
+        "wheel_efficiency_right",
+        "wheel_efficiency_left",
+        "wheel_efficiency",
+        "wheel_efficiency_windows",
+        "wheel_speed_efficiency_right",
+        "wheel_speed_efficiency_left",
+        "wheel_speed_efficiency",
+        "wheel_power_efficiency",
+        "drive_efficiency_right",
+        "drive_efficiency_left",
+        "drive_efficiency",
+        "total_efficiency",
+    ),
+    "J": ("energy", "energy_windows", "energy_as_printed"),
+}
+KILOWATT_MINUTE = 60e3  # [J]; 99.66 kWh in 580 s would be 619 kW
+KILOWATT_HOUR = 3.6e6  # [J]
 _METHODS = range(1, 6)
+
+measure = urban_cases.measure
 
 
 def _table(id: str, unit: float = 1.0) -> dict[int, float]:
-    """By method what published.csv has of an id, in which it is written as {}, in multiples of a unit."""
+    """Values in published.csv of an id, in which {} stands for a method, by method."""
     return {
         method: published_value("dissertation", id.format(method)) * unit for method in _METHODS
     }
 
 
-# Table 3.6. Tables 3.1 to 3.5 have right and left, and tables 5.1 to 5.5 the same numbers again, but no mean.
+# Table 3.6. Tables 3.1 to 3.5 have right and left, and tables 5.1 to 5.5 the same numbers again, but
+# no mean.
 WHEEL_EFFICIENCY = _table("diss.t3.6.m{}.mean")
-
 # Table 5.6, printed in per cent, and the energy as kWh.
 BENCH_WHEEL_EFFICIENCY = _table("diss.t5.6.wheel.m{}", 0.01)
 DRIVE_EFFICIENCY = _table("diss.t5.6.drive.m{}", 0.01)
 TOTAL_EFFICIENCY = _table("diss.t5.6.total.m{}", 0.01)
 ENERGY = _table("diss.t5.6.energy.m{}")
 
-KILOWATT_MINUTE = 60e3  # [J]; 99.66 kWh in 580 s would be 619 kW
-KILOWATT_HOUR = 3.6e6  # [J]
-
 
 class Gains(NamedTuple):
-    """Gains of method 1 over each other method [%]: over the efficiency of method 1, and over that of the other one.
+    """Gains of method 1 over each other method, in per cent of method 1 and of the other one.
 
-    Eqs 3.1 and 5.2 are printed with the first denominator. Eq 5.1 is printed with the second, yet the range printed for
-    it comes from the first.
+    Eqs 3.1 and 5.2 are printed with the first denominator. Eq 5.1 is printed with the second, yet
+    the range printed for it comes from the first.
     """
 
     over_method_1: dict[int, float]
@@ -61,17 +105,17 @@ class Gains(NamedTuple):
 
 
 def gains(efficiency: Mapping[int, float]) -> Gains:
-    """The gains of efficiencies [1] by number of the method, above zero."""
+    """Gains of efficiencies [1] by number of the method, above zero."""
     best = efficiency[1]
     others = {method: value for method, value in efficiency.items() if method != 1}
     return Gains(
-        {method: 100.0 * (best - value) / best for method, value in others.items()},
-        {method: 100.0 * (best - value) / value for method, value in others.items()},
+        over_method_1={n: 100.0 * (best - value) / best for n, value in others.items()},
+        over_the_other={n: 100.0 * (best - value) / value for n, value in others.items()},
     )
 
 
 def savings(energy: Mapping[int, float]) -> dict[int, float]:
-    """What method 1 saves, E_i - E_1, by number of the other method, in the unit of the energies."""
+    """Savings by method 1, E_i - E_1, by number of the other method, in the unit of the energies."""
     return {method: value - energy[1] for method, value in energy.items() if method != 1}
 
 
@@ -80,27 +124,30 @@ def efficiency_figure(
     printed: Mapping[int, float],
     titles: Mapping[int, str],
 ) -> Sheet:
-    """One panel for each driver: the seeds as dots, their mean and the printed value, if any, as lines, by method."""
+    """A panel for each driver, by method: seeds as dots, their mean and the printed value as lines."""
+
+    def draw_seeds(axes: Axes, method: int, values: Sequence[float]) -> None:
+        at = [method] * len(values)
+        axes.plot(at, values, ".", color=HUES[0], markersize=3, label="a seed")
+        axes.hlines(
+            sum(values) / len(values),
+            method - 0.3,
+            method + 0.3,
+            color=HUES[0],
+            linewidth=1.6,
+            label="mean of the seeds",
+        )
+
+    def draw_printed(axes: Axes, method: int) -> None:
+        value = printed[method]
+        axes.hlines(value, method - 0.4, method + 0.4, label="printed", **PUBLISHED)
 
     def ground(axes: Axes, by_method: Mapping[int, Sequence[float]]) -> None:
         for method, values in by_method.items():
             if values:
-                axes.plot(
-                    [method] * len(values), values, ".", color=HUES[0], markersize=3, label="a seed"
-                )
-                mean = sum(values) / len(values)
-                axes.hlines(
-                    mean,
-                    method - 0.3,
-                    method + 0.3,
-                    color=HUES[0],
-                    linewidth=1.6,
-                    label="mean of the seeds",
-                )
+                draw_seeds(axes, method, values)
             if method in printed:
-                axes.hlines(
-                    printed[method], method - 0.4, method + 0.4, label="printed", **PUBLISHED
-                )
+                draw_printed(axes, method)
         axes.set_xticks(list(by_method))
         axes.set_ylim(0.4, 1.0)
         axes.grid(False, axis="x")
@@ -108,51 +155,16 @@ def efficiency_figure(
     def methods(by_method: Mapping[int, Sequence[float]]) -> str:
         return "method: " + ", ".join(f"{method} {titles[method]}" for method in by_method)
 
-    panels = [
-        Panel(
-            f"driver {readable(driver)}",
-            "wheel efficiency [1]",
-            ground=partial(ground, by_method=of),
-            xlabel=methods(of),
-        )
-        for driver, of in points.items()
-    ]
+    panels = []
+    for driver, of in points.items():
+        drawn = partial(ground, by_method=of)
+        title = f"driver {readable(driver)}"
+        panels.append(Panel(title, "wheel efficiency [1]", ground=drawn, xlabel=methods(of)))
     return Sheet(panels, columns=3)
 
 
-ABOUT = "Dissertation, tables 3.1 to 3.6 and 5.1 to 5.6 - five methods, three drivers, many roads (--seeds N)"
-COLUMNS = (
-    *("driver", "method"),
-    *("2.37 right", "left", "mean", "printed", "speeds alone", "whole windows"),
-    *("2.38 right", "left", "mean", "printed"),
-    *("2.39", "printed"),
-    *("energy, 2.40 [kW min]", "over the windows", "with n in traction", "printed, as kWh"),
-)
-LEFT = 2
-SUMS = ("methods_apart_", "method_1_above_2_", "seeds_with_", "gain_")
-MEASURED = {  # quantities of `urban_cases.measure` by unit
-    "1": (
-        *(
-            "wheel_efficiency_right",
-            "wheel_efficiency_left",
-            "wheel_efficiency",
-            "wheel_efficiency_windows",
-        ),
-        *("wheel_speed_efficiency_right", "wheel_speed_efficiency_left", "wheel_speed_efficiency"),
-        "wheel_power_efficiency",
-        *(
-            "drive_efficiency_right",
-            "drive_efficiency_left",
-            "drive_efficiency",
-            "total_efficiency",
-        ),
-    ),
-    "J": ("energy", "energy_windows", "energy_as_printed"),
-}
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """How many roads, and which drivers."""
+    """Add the bench, the number of roads, and the drivers."""
     parser.add_argument(
         "--bench", action="store_true", help="with both motors on the test bench: tables 5.1 to 5.6"
     )
@@ -174,22 +186,20 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every method with every driver on every road."""
-    return [
-        urban_cases.case(method, driver, seed, scenario=BENCH if given.bench else SCENARIO)
-        for driver in given.drivers
-        for method in METHODS
-        for seed in roads(given)
-    ]
-
-
-measure = urban_cases.measure
+    scenario = BENCH if given.bench else SCENARIO
+    found = []
+    for driver in given.drivers:
+        for method in METHODS:
+            for seed in roads(given):
+                found.append(urban_cases.case(method, driver, seed, scenario=scenario))
+    return found
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
-    """All that was measured for each method and driver, means over the seeds; then orders and gains.
+    """Means over the seeds of each quantity by method and driver; then orders and gains.
 
-    Of `imposed_speed` orders and gains are those of the ratio of speeds alone, so eq 2.37 without rolling resistance in
-    M_f; of the other drivers those of eq 2.37 in full.
+    Of `imposed_speed` orders and gains are those of the ratio of speeds alone, so eq 2.37 without
+    rolling resistance in M_f; of the other drivers those of eq 2.37 in full.
     """
     found: dict[str, Metric] = {}
     for driver in given.drivers:
@@ -197,24 +207,27 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
             values = values_of(given, results, method, driver)
             for unit, names in MEASURED.items():
                 for name in names:
-                    found[f"{name}_{method}_{driver}"] = _mean(
-                        [value[name] for value in values], unit
-                    )
-        found.update(_orders(given, results, driver))
-        found.update(_gains(found, driver))
+                    of_name = [value[name] for value in values]
+                    found[f"{name}_{method}_{driver}"] = _mean(of_name, unit)
+        found |= _orders(given, results, driver)
+        found |= _gains(found, driver)
     return found
 
 
 def values_of(
     given: argparse.Namespace, results: Results, method: str, driver: str
 ) -> list[Mapping[str, Any]]:
-    """What was measured with the seeds in their order, without the cases that gave nothing or were not driven."""
+    """Numbers of a method with each seed in order, without cases that gave none."""
     names = (case_name(method, driver, seed) for seed in roads(given))
-    return [results[name].measured for name in names if name in results and results[name].measured]
+    driven = (results[name].measured for name in names if name in results)
+    return [measured for measured in driven if measured]
 
 
 def judged_quantity(driver: str) -> str:
-    """The wheel efficiency that is held against tables 3.1 to 3.6: with imposed speed the ratio of speeds alone."""
+    """Wheel efficiency that is held against tables 3.1 to 3.6.
+
+    With imposed speed it is the ratio of speeds alone.
+    """
     return "wheel_speed_efficiency" if driver == "imposed_speed" else "wheel_efficiency"
 
 
@@ -225,24 +238,26 @@ def _mean(values: Sequence[float], unit: str) -> Metric:
 
 
 def _orders(given: argparse.Namespace, results: Results, driver: str) -> dict[str, Metric]:
-    """Spread over the methods, in how many seeds 1 > 3 >= 4 > 2 and 1 > 2 hold, and how far 1 lies above 2."""
+    """Spread over the methods, seeds with 1 > 3 >= 4 > 2 and 1 > 2, and distance of 1 above 2."""
     key = judged_quantity(driver)
-    columns = [
-        [value[key] for value in values_of(given, results, method, driver)] for method in FIVE
-    ]
+    columns = []
+    for method in FIVE:
+        columns.append([value[key] for value in values_of(given, results, method, driver)])
+    # Without all methods on the same roads there is no order.
     if len({len(column) for column in columns}) > 1 or not columns[0]:
         return {}
-    rows = list(zip(*columns, strict=True))
-    count = len(rows)
+    apart, above, in_order = [], [], []
+    for one, two, three, four, five in zip(*columns, strict=True):
+        all_five = (one, two, three, four, five)
+        apart.append(max(all_five) - min(all_five))
+        above.append(one - two)
+        in_order.append(one > three >= four > two)
+    unit = f"of {len(apart)}"
     return {
-        f"methods_apart_{driver}": _mean([max(row) - min(row) for row in rows], "1"),
-        f"method_1_above_2_{driver}": _mean([row[0] - row[1] for row in rows], "1"),
-        f"seeds_with_1_above_2_{driver}": Metric(
-            sum(row[0] > row[1] for row in rows), f"of {count}"
-        ),
-        f"seeds_with_1_3_4_2_{driver}": Metric(
-            sum(row[0] > row[2] >= row[3] > row[1] for row in rows), f"of {count}"
-        ),
+        f"methods_apart_{driver}": _mean(apart, "1"),
+        f"method_1_above_2_{driver}": _mean(above, "1"),
+        f"seeds_with_1_above_2_{driver}": Metric(sum(each > 0.0 for each in above), unit),
+        f"seeds_with_1_3_4_2_{driver}": Metric(sum(in_order), unit),
     }
 
 
@@ -254,18 +269,16 @@ def _gains(found: Mapping[str, Metric], driver: str) -> dict[str, Metric]:
         by_method = {int(method): found[f"{quantity}_{method}_{driver}"].value for method in FIVE}
         if any(not value for value in by_method.values()):
             continue
-        for denominator, values in gains(by_method)._asdict().items():
-            shown[f"gain_{equation}_{denominator}_smallest_{driver}"] = Metric(
-                min(values.values()), "%"
-            )
-            shown[f"gain_{equation}_{denominator}_largest_{driver}"] = Metric(
-                max(values.values()), "%"
-            )
+        for denominator, by_other in gains(by_method)._asdict().items():
+            name = f"gain_{equation}_{denominator}"
+            values = by_other.values()
+            shown[f"{name}_smallest_{driver}"] = Metric(min(values), "%")
+            shown[f"{name}_largest_{driver}"] = Metric(max(values), "%")
     return shown
 
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
-    """The tables of the source, ours beside what is printed; of means the standard deviation over the seeds as well.
+    """Tables of the source, ours beside the printed ones, means with their standard deviation.
 
     Nothing is printed of another cycle.
     """
@@ -279,7 +292,9 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
             return _shown(found[f"{name}_{method}_{driver}"], factor, form)
 
         def three(name: str) -> tuple[str, ...]:
-            return (*(shown(f"{name}_{side}").partition(" ")[0] for side in SIDES), shown(name))
+            """Right and left without their deviations, and the mean."""
+            sides = (shown(f"{name}_{side}").partition(" ")[0] for side in SIDES)
+            return (*sides, shown(name))
 
         number = METHODS[method].number
         return (
@@ -311,17 +326,15 @@ def _shown(metric: Metric, factor: float = 1.0, form: str = ".3f") -> str:
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
-    """Wheel efficiency of the methods, mean and single seeds, beside the printed one, for each driver."""
-    points = {
-        driver: {
-            int(method): [
-                value[judged_quantity(driver)]
-                for value in values_of(given, results, method, driver)
-            ]
-            for method in FIVE
-        }
-        for driver in given.drivers
-    }
+    """Wheel efficiency of the methods by driver, mean and single seeds, beside the printed one."""
+
+    def of(method: str, driver: str) -> list[float]:
+        key = judged_quantity(driver)
+        return [value[key] for value in values_of(given, results, method, driver)]
+
+    points = {}
+    for driver in given.drivers:
+        points[driver] = {int(method): of(method, driver) for method in FIVE}
     titles = {METHODS[method].number: METHODS[method].title for method in FIVE}
     of_source = WHEEL_EFFICIENCY if given.cycle in (None, LISTED) else {}
     return {"wheel_efficiency": efficiency_figure(points, of_source, titles)}

@@ -1,6 +1,7 @@
 """Report on the urban cycle on mixed surfaces: efficiencies and energies in the traction windows.
 
-Dissertation, eqs 2.37 to 2.40. Its tables compare methods over many roads; the study `five_methods` does that.
+Dissertation, eqs 2.37 to 2.40. Its tables compare methods over many roads, as the study
+`five_methods` does.
 """
 
 from __future__ import annotations
@@ -49,10 +50,14 @@ ROLLING = 1.0  # [m/s], above it slip is more than the first turn of a wheel
 SNOW = "packed_snow"  # begins the names of the surfaces that count as snow
 _SIDES = ("right", "left")
 _KILOWATT_HOUR = 3.6e6  # [J]
+_UNDER_TRACTION = "under traction"
+_IN_WINDOWS = "in the windows of the cycle"
+
+Quantity = Callable[[CircuitSums], float]
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
-    """Efficiencies, energies, slip and how the cycle was followed, for each run."""
+    """Efficiencies, energies, slip and distance from the cycle, for each run."""
     driver = parameters.get("driver", {})
     return motion.of_each_run(runs, lambda run: _metrics(run, vehicle, driver))
 
@@ -76,63 +81,77 @@ def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, S
     return figures
 
 
-_WHEN = {False: "under traction", True: "in the windows of the cycle"}
+class _Circuits:
+    """Sums of the circuits of a run, under traction or in whole windows of the cycle.
 
+    Several metrics share them, and a cycle has a hundred thousand samples: each is computed once,
+    and not before a metric asks for it, as it may be that nothing can be measured.
+    """
 
-def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[str, Metric]:
-    # Several metrics share them, and a cycle has a hundred thousand samples.
-    shares = cache(lambda: circuits.circuit_shares(run, vehicle))
-    pressed = cache(lambda: cycle.traction(run, driver))
-    windows = cache(lambda: cycle.in_windows(run, driver))
+    def __init__(self, run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> None:
+        self._shares = cache(lambda: circuits.circuit_shares(run, vehicle))
+        self.pressed = cache(lambda: cycle.traction(run, driver))
+        self.windows = cache(lambda: cycle.in_windows(run, driver))
+        self._sums = cache(self._summed)
 
-    @cache
-    def sums(whole: bool) -> dict[str, CircuitSums]:
-        counted = windows() if whole else pressed()
-        return {wheel: of.sums(counted) for wheel, of in shares().items()}
+    def _summed(self, whole: bool) -> dict[str, CircuitSums]:
+        counted = self.windows() if whole else self.pressed()
+        return {wheel: of.sums(counted) for wheel, of in self._shares().items()}
 
-    def of_circuits(
-        quantity: Callable[[CircuitSums], float], side: str = "", whole: bool = False
-    ) -> list[float]:
-        values = [quantity(circuit) for name, circuit in sums(whole).items() if name.endswith(side)]
+    def each(self, quantity: Quantity, side: str = "", whole: bool = False) -> list[float]:
+        """A quantity of each circuit, or of those of a side."""
+        sums = self._sums(whole)
+        values = [quantity(circuit) for wheel, circuit in sums.items() if wheel.endswith(side)]
         if not values:
             raise NotMeasured(f"no wheel is driven on the {side}" if side else "no wheel is driven")
         return values
 
-    def rows(
-        name: str, quantity: Callable[[CircuitSums], float], whole: bool = False
-    ) -> dict[str, Metric]:
-        """Right, left and mean, as the tables of the source have them."""
+    def rows(self, name: str, quantity: Quantity, whole: bool = False) -> dict[str, Metric]:
+        """Right, left and mean of an efficiency, as the tables of the source have them."""
 
         def mean(side: str) -> float:
-            values = of_circuits(quantity, side, whole)
+            values = self.each(quantity, side, whole)
             return sum(values) / len(values)
 
-        ending = {side: f"_{side}" for side in _SIDES} | {"": ""}
-        formula = (
-            f"{name.removesuffix('_windows').replace('_', ' ')} of its circuits {_WHEN[whole]}"
-        )
-        return {
-            name + end: metric(lambda side=side: mean(side), "1", formula, HIGHER)
-            for side, end in ending.items()
-        }
+        words = name.removesuffix("_windows").replace("_", " ")
+        formula = f"{words} of its circuits {_IN_WINDOWS if whole else _UNDER_TRACTION}"
+        found = {}
+        for side in (*_SIDES, ""):
+            key = f"{name}_{side}" if side else name
+            found[key] = metric(lambda side=side: mean(side), "1", formula, HIGHER)
+        return found
+
+
+def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[str, Metric]:
+    return {
+        **_efficiencies_and_energies(run, vehicle, driver),
+        **_of_the_motion(run, vehicle, driver),
+        **electrical_metrics(run, vehicle),
+    }
+
+
+def _efficiencies_and_energies(
+    run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]
+) -> dict[str, Metric]:
+    of = _Circuits(run, vehicle, driver)
 
     def energy(whole: bool = False) -> float:
-        return sum(of_circuits(lambda circuit: circuit.electrical_work, whole=whole))
+        return sum(of.each(lambda circuit: circuit.electrical_work, whole=whole))
 
     def energy_as_printed() -> float:
         time = cycle.cycle_time(driver)
-        return sum(of_circuits(lambda circuit: circuit.energy(time), whole=True))
+        return sum(of.each(lambda circuit: circuit.energy(time), whole=True))
 
     return {
-        **rows("wheel_efficiency", lambda circuit: circuit.efficiency),
-        **rows("wheel_speed_efficiency", lambda circuit: circuit.speed_efficiency),
-        **rows("wheel_power_efficiency", lambda circuit: circuit.power_efficiency),
-        **rows("drive_efficiency", lambda circuit: circuit.drive_efficiency),
-        **rows("total_efficiency", lambda circuit: circuit.total_efficiency),
-        **rows("wheel_efficiency_windows", lambda circuit: circuit.efficiency, whole=True),
-        **rows("drive_efficiency_windows", lambda circuit: circuit.drive_efficiency, whole=True),
-        "energy": metric(energy, "J", f"electrical work of the circuits {_WHEN[False]}", LOWER),
-        "energy_windows": metric(lambda: energy(whole=True), "J", f"the same {_WHEN[True]}"),
+        **of.rows("wheel_efficiency", lambda circuit: circuit.efficiency),
+        **of.rows("wheel_speed_efficiency", lambda circuit: circuit.speed_efficiency),
+        **of.rows("wheel_power_efficiency", lambda circuit: circuit.power_efficiency),
+        **of.rows("drive_efficiency", lambda circuit: circuit.drive_efficiency),
+        **of.rows("total_efficiency", lambda circuit: circuit.total_efficiency),
+        **of.rows("wheel_efficiency_windows", lambda circuit: circuit.efficiency, whole=True),
+        **of.rows("drive_efficiency_windows", lambda circuit: circuit.drive_efficiency, whole=True),
+        "energy": metric(energy, "J", f"electrical work of the circuits {_UNDER_TRACTION}", LOWER),
+        "energy_windows": metric(lambda: energy(whole=True), "J", f"the same {_IN_WINDOWS}"),
         "energy_as_printed": metric(
             energy_as_printed, "J", "the same by the equation as it is printed"
         ),
@@ -140,14 +159,21 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
             lambda: energy_as_printed() / _KILOWATT_HOUR, "kW h", "the same in another unit"
         ),
         "traction_slip_energy": metric(
-            lambda: circuits.slip_energy(run, vehicle, pressed()),
+            lambda: circuits.slip_energy(run, vehicle, of.pressed()),
             "J",
             "sum of F_x r (w - w_free) of the driven wheels under traction",
             LOWER,
         ),
         "distance": METRICS["distance"].measured(DrivenRun(run, vehicle)),
-        "traction_time": metric(lambda: _time_in(run, pressed()), "s", "time under traction"),
-        "window_time": metric(lambda: _time_in(run, windows()), "s", "time in the windows"),
+        "traction_time": metric(lambda: _time_in(run, of.pressed()), "s", "time under traction"),
+        "window_time": metric(lambda: _time_in(run, of.windows()), "s", "time in the windows"),
+    }
+
+
+def _of_the_motion(
+    run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]
+) -> dict[str, Metric]:
+    found = {
         "traction_peak_slip": metric(
             lambda: _peak_slip(run, vehicle, driver),
             "1",
@@ -155,19 +181,17 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
             LOWER,
         ),
         "mean_speed_error": metric(
-            lambda: np.abs(_speed_error(run, driver)).mean(),
+            lambda: np.abs(motion.path_speed(run) - cycle.wanted_speed(run, driver)).mean(),
             "m/s",
             "mean |V - speed of the cycle|",
             LOWER,
         ),
-        **{
-            f"share_of_snow_{side}": metric(
-                lambda side=side: _snow(run, vehicle, side), "1", "share of the way on snow"
-            )
-            for side in _SIDES
-        },
-        **electrical_metrics(run, vehicle),
     }
+    for side in _SIDES:
+        found[f"share_of_snow_{side}"] = metric(
+            lambda side=side: _snow(run, vehicle, side), "1", "share of the way on snow"
+        )
+    return found
 
 
 def _time_in(run: Recording, counted: np.ndarray) -> float:
@@ -179,18 +203,12 @@ def _peak_slip(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> f
     counts = cycle.traction(run, driver) & (motion.path_speed(run) > ROLLING)
     if not counts.any():
         raise NotMeasured("the car is not driven while it rolls")
-    return max(
-        channel(run, f"tire_forces.slip_ratio.{wheel}")[counts].max()
-        for wheel in vehicle.driven_wheels
-    )
-
-
-def _speed_error(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
-    return motion.path_speed(run) - cycle.wanted_speed(run, driver)
+    slips = (channel(run, f"tire_forces.slip_ratio.{wheel}") for wheel in vehicle.driven_wheels)
+    return max(slip[counts].max() for slip in slips)
 
 
 def _snow(run: Recording, vehicle: Vehicle, side: str) -> float:
-    """Share under the driven wheel of a side, the front one where both are driven."""
+    """Share of snow under the driven wheel of a side, the front one where both are driven [1]."""
     driven = [wheel for wheel in vehicle.driven_wheels if wheel.endswith(side)]
     if not driven:
         raise NotMeasured(f"no wheel is driven on the {side}")

@@ -1,4 +1,4 @@
-"""Report on the urban cycle on the test bench: that of the cycle, and channels and energies of the bench."""
+"""Report on the urban cycle on the test bench, with channels and energies of the bench."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ev_stack.recording.recording import Recording
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
-    """Those of the cycle with eq 2.38 from measured values, and the accounts of the bench."""
+    """Metrics of the cycle with eq 2.38 from measured values, and the accounts of the bench."""
     return {
         **report.metrics(runs, vehicle, parameters),
         **motion.of_each_run(runs, lambda run: _metrics(run, vehicle)),
@@ -23,23 +23,19 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 
 
 def _metrics(run: Recording, vehicle: Vehicle) -> dict[str, Metric]:
-    names = ("battery", "mains", "resistor", "machines", "loads", "shafts")
-    return {
-        **{
-            f"bench_{name}": metric(
-                lambda name=name: motors_and_cells.energies(run)[name], "J", f"energy of the {name}"
-            )
-            for name in names
-        },
-        "bench_imbalance": metric(
-            lambda: motors_and_cells.imbalance(run), "1", "what the accounts do not close by"
-        ),
-        **metrics_of_others(DrivenRun(run, vehicle)),
-    }
+    found = {}
+    for name in ("battery", "mains", "resistor", "machines", "loads", "shafts"):
+        found[f"bench_{name}"] = metric(
+            lambda name=name: motors_and_cells.energies(run)[name], "J", f"energy of the {name}"
+        )
+    found["bench_imbalance"] = metric(
+        lambda: motors_and_cells.imbalance(run), "1", "what the accounts do not close by"
+    )
+    return found | metrics_of_others(DrivenRun(run, vehicle))
 
 
 def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Sheet]:
-    """Those of the cycle; torques, speeds, temperatures and energies of the bench."""
+    """Figures of the cycle; torques, speeds, temperatures and energies of the bench."""
     run = next(iter(runs.values()))
     driver = parameters.get("driver", {})
     return {
