@@ -90,7 +90,7 @@ def test_a_brake_is_no_faster_than_its_slew():
 
 
 def test_the_battery_bounds_what_drives_brake():
-    """10 kW by four wheels at 60 rad/s are 41.7 N m each; nobody else takes the rest without a pedal."""
+    """10 kW by four wheels at 60 rad/s are 41.7 N m each; no brake takes the rest without a pedal."""
     car = dataclasses.replace(CAR, battery=dataclasses.replace(CAR.battery, charge_power=10e3))
     command = Brakes(car).step(braking(300.0), 200)
     assert command.drive.rear_left == pytest.approx(-10e3 / 4 / 60.0)
@@ -122,7 +122,7 @@ LOCKING = braking(
 )
 
 
-def said(m: Measured, times: int, first: Measured, **changed: Any) -> WheelTorqueCommand:
+def answer_after(m: Measured, times: int, first: Measured, **changed: Any) -> WheelTorqueCommand:
     """Answer of the law after some steps, beginning with a car that rolls."""
     brakes = Brakes(**changed)
     brakes.step(first)
@@ -132,8 +132,8 @@ def said(m: Measured, times: int, first: Measured, **changed: Any) -> WheelTorqu
 @pytest.mark.parametrize("times", [1, 40])
 def test_left_and_right_mirror_to_the_bit(times):
     """A car that brakes, yaws and locks a wheel."""
-    one = said(LOCKING, times, ROLLING)
-    two = said(LOCKING.mirrored(), times, ROLLING.mirrored())
+    one = answer_after(LOCKING, times, ROLLING)
+    two = answer_after(LOCKING.mirrored(), times, ROLLING.mirrored())
     assert (two.drive, two.brake) == (swapped(one.drive), swapped(one.brake))
 
 
@@ -141,7 +141,7 @@ def test_left_and_right_mirror_to_the_bit(times):
 def test_reverse_mirrors_forward_to_the_bit(times):
     """Backwards the same yaw rate is another bend: a car that turns the other way meets the mirrored forces."""
     m = dataclasses.replace(LOCKING, yaw_rate=0.0)
-    one, back = said(m, times, ROLLING), said(m.reversed(), times, ROLLING.reversed())
+    one, back = answer_after(m, times, ROLLING), answer_after(m.reversed(), times, ROLLING.reversed())
     assert back == WheelTorqueCommand(Wheels(*(-torque for torque in one.drive)), one.brake)
 
 

@@ -59,7 +59,7 @@ def test_against_both_adds_what_is_missing():
     assert difference(made(wish="angle").step(motion)) == pytest.approx(spring / LEVER, rel=1e-12)
 
 
-def test_the_hands_never_have_to_hold_more_than_is_said():
+def test_the_hands_never_have_to_hold_more_than_is_stated():
     """16 * 3 N m over the lever however far the car is off."""
     law = made(yaw_gain=1e5)
     assert difference(law.step(moving(r=1.0))) == pytest.approx(-48.0 / LEVER, rel=1e-12)

@@ -212,7 +212,7 @@ def test_an_integral_leaves_no_error_however_torques_are_shared(allocation):
 
 
 def test_a_controller_without_an_integral_leaves_none_behind():
-    """Motors of 20 N m saturate for 1 s; who then changes to Controller.PI begins from nothing."""
+    """Motors of 20 N m saturate for 1 s; a law that then changes to PI begins from nothing."""
     weak = dataclasses.replace(CAR, motor=dataclasses.replace(CAR.motor, peak_torque=20.0))
     law = Differential(LAW, weak, PERIOD, controller="lqr")
     for _ in range(100):

@@ -1,4 +1,4 @@
-"""Limp mode: a motor that does not give what it is told is found beside its partner, which then gives the same."""
+"""Limp mode: a motor that does not give its command is found beside its partner, which then gives the same."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def test_always_slips_less_than_while_gaining(surface):
 
 
 def test_always_is_refused_where_a_wheel_has_no_motor_of_its_own():
-    """Behind an engine the torque of a wheel is another one than it is told, and later: it would lose half of it."""
+    """Behind an engine the torque of a wheel is not its command, and comes later: it would lose half of it."""
     vehicle = {"vehicle.driveline.coupling": "open"}
     configure("asr", {"method": "maximum_transmissible_torque", **vehicle})
     with pytest.raises(ParameterError, match="a motor for each driven wheel for limits always"):

@@ -50,8 +50,8 @@ def car_with(efficiency: float, lag: float):
 vehicles = st.builds(car_with, st.floats(0.5, 1.0), st.floats(1e-4, 0.2))
 
 
-def told(limp: Limping, parts, speed: float, bend: float = 1.0):
-    """Requests and what the drives are told, period by period."""
+def commanded(limp: Limping, parts, speed: float, bend: float = 1.0):
+    """Requests and commands of the drives, period by period."""
     for left, right, count in parts:
         asked = Wheels.front(left, right)
         for _ in range(count):
@@ -120,7 +120,7 @@ def test_left_and_right_mirror_to_the_bit(sequence, keeps):
 def test_a_sound_car_gets_what_was_asked_to_the_bit(parts, speed, bend, vehicle, period, battery, most, noise, seed):
     """Any share of the battery, with motors between hot and cold, gears, lags, periods, bends, noisy sensors."""
     limp = Limping(Motors(vehicle, period, most, battery, noise=noise, seed=seed))
-    for asked, command in told(limp, parts, speed, bend):
+    for asked, command in commanded(limp, parts, speed, bend):
         assert command == asked
 
 
@@ -137,7 +137,7 @@ def test_limits_that_no_controller_knows_are_no_loss_where_both_meet_them(asked,
     """A battery that is cut off, derated and back again, any voltage, while both motors are told the same."""
     limp = Limping(Motors(vehicle, period, most))
     for limp.motors.battery in (1.0, *limits, 1.0):
-        for request, command in told(limp, [(asked, asked, 20)], speed):
+        for request, command in commanded(limp, [(asked, asked, 20)], speed):
             assert command == request
 
 
@@ -147,10 +147,10 @@ def test_all_drive_is_back_after_a_fault(parts, speed, vehicle, fault, asked):
     """Within `recovery`, 0.5 s, of torques that are not about zero, and ten time constants of the drives."""
     speed = max(min(speed, 80.0), -80.0)
     limp = Limping(Motors(vehicle, faults=fault))
-    list(told(limp, parts, speed))
+    list(commanded(limp, parts, speed))
     limp.motors.faults = SOUND
     back = round((0.5 + 10.0 * vehicle.motor.torque_lag) / PERIOD) + 10
-    *_, (_, command) = told(limp, [(asked, asked, back)], speed)
+    *_, (_, command) = commanded(limp, [(asked, asked, back)], speed)
     assert limp.lost() == [0, 0]
     assert command == Wheels.front(asked, asked)
 
@@ -172,7 +172,7 @@ def test_a_lost_motor_does_not_turn_the_car(asked, more, fault, speed, side):
     limp = Limping(Motors(faults=(fault, None) if side == 0 else (None, fault)))
     requests = (asked, more * asked) if side == 0 else (more * asked, asked)
     fastest = 0.7 * min(CAR.motor.generator_power, CAR.motor.peak_power) / max(requests)
-    list(told(limp, [(*requests, 40)], max(min(speed, fastest), -fastest)))
+    list(commanded(limp, [(*requests, 40)], max(min(speed, fastest), -fastest)))
     left, right, *_ = limp.measured
     assert abs(left - right) <= abs(more - 1.0) * asked + 1.5 * (20.0 + 0.2 * max(requests))
 

@@ -86,8 +86,7 @@ class TransmissibleParameters(criterion.GainedSpeedParameters):
     limits: Limits = parameter(
         Limits.WHILE_GAINING,
         about="while_gaining: only while the tread gains on the car by more than `margin`, then "
-        "rising; always: at "
-        "every instant",
+        "rising; always: at every instant",
         source="always: Yin, Oh and Hori (2009); while_gaining: assumption",
     )
     relaxation: float = parameter(
@@ -121,8 +120,7 @@ class TransmissibleParameters(criterion.GainedSpeedParameters):
         low=0.0,
         high=10.0,
         about="always: of the filtered rate of the request, added to the limit while the tyre "
-        "grips, so that filter, "
-        "drive and carcass do not hold back a pedal that is pressed",
+        "grips, so that filter, drive and carcass do not hold back a pedal that is pressed",
         source="Yin, Oh and Hori (2009) add it; its value, and that it ends with the grip, are "
         "assumptions",
     )

@@ -107,8 +107,7 @@ class ExpectedSignalParameters:
         low=0.0,
         high=100.0,
         about="rise of the estimate below that slip: a wheel that had spun shows less than the "
-        "road carries, and a car "
-        "on a slippery hill would stand for ever",
+        "road carries, and a car on a slippery hill would stand for ever",
     )
     rate: float = parameter(
         50.0, unit="1/s", low=0.0, high=1000.0, about="correction of the estimate"

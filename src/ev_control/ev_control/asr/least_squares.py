@@ -55,8 +55,7 @@ class LeastSquaresParameters(SlipPeakParameters):
         low=0.5,
         high=1.0,
         about="share of the fitted peak that is used after a hit, on its stable side; 1 is the "
-        "peak itself, less costs "
-        "little force and saves much slip",
+        "peak itself, less costs little force and saves much slip",
         source="assumption: the source takes the torque of the step before the peak was passed",
     )
     bandwidth: float = parameter(
@@ -74,8 +73,7 @@ class LeastSquaresParameters(SlipPeakParameters):
         low=0.0,
         high=100.0,
         about="rise of the target after that, over the slowest one with slips that spread enough "
-        "in a "
-        "window to be fitted",
+        "in a window to be fitted",
     )
     release: float = parameter(
         0.2,

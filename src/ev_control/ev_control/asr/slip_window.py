@@ -79,10 +79,8 @@ def slip_window(
     itself: the slip swings through the window. With `side_force.correction` both ends shrink with
     the slip angle (section 1.4).
     """
-    slip, left = (
-        slip_of(motion, p.slowest),
-        share_left(p.side_force, car, w.side_force, period, motion),
-    )
+    slip = slip_of(motion, p.slowest)
+    left = share_left(p.side_force, car, w.side_force, period, motion)
     left *= share_at(motion, p.slowest, p.at_rest)
     low, high = left * p.low, left * p.high
     # A slip that returns by itself is left alone, else the limit would overshoot.

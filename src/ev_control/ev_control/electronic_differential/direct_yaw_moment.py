@@ -101,8 +101,8 @@ class DirectYawMomentParameters:
     allocation: Allocation = parameter(
         Allocation.AXLE,
         about="torques: equal, and a fixed share of the moment on each axle; both as loads are; "
-        "with the least use of "
-        "grip within motors and tyres; or with the least loss of motors and inverters within them",
+        "with the least use of grip within motors and tyres; or with the least loss of motors and "
+        "inverters within them",
     )
     estimation: KnownBy = parameter(
         KnownBy.TRUTH,

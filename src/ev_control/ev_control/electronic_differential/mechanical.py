@@ -207,8 +207,7 @@ class AdaptiveParameters:
     driving_mode: Mode = parameter(
         Mode.OFF_ROAD,
         about="road: the wheels of an axle get equal torques, so what one is refused the other "
-        "does not get, either; "
-        "off_road: each gets what it can take",
+        "does not get, either; off_road: each gets what it can take",
         source="dissertation, section 2.4; that refusals keep torques equal and chapter 3 is "
         "off_road is assumed",
     )

@@ -76,9 +76,8 @@ class AxleRedistributionParameters:
     factor: Factor = parameter(
         Factor.GIVEN,
         about="front share over cos(phi), K: k; 2 J_z/(m L^2), which eq 4 gives without "
-        "resistance; or "
-        "2 J_z j/(L^2 X), eq 4 as an equality with the measured acceleration j and the drive "
-        "force X that is asked for",
+        "resistance; or 2 J_z j/(L^2 X), eq 4 as an equality with the measured acceleration j and "
+        "the drive force X that is asked for",
         source="Zhileykin 2018, eqs 4 and 5, prints proportionality",
     )
     k: float = parameter(
@@ -91,8 +90,8 @@ class AxleRedistributionParameters:
     second_branch: SecondBranch = parameter(
         SecondBranch.PRINTED,
         about="front share while the rear slides: K (1 - cos(phi)); K cos(phi), which follows "
-        "from the line above "
-        "eq 5; or 1 - K cos(phi), which follows if that line means the rear share",
+        "from the line above eq 5; or 1 - K cos(phi), which follows if that line means the rear "
+        "share",
         source="Zhileykin 2018, eq 5, which does not follow from the line above it",
     )
     largest_front_share: float = parameter(
@@ -111,9 +110,8 @@ class AxleRedistributionParameters:
     braking: Braking = parameter(
         Braking.STRAIGHT,
         about="when all torque goes to the rear axle: while the car slows down straight ahead, "
-        "j_x <= 0 and j_y = 0; "
-        "while it slows down, in a bend as well; or while the driver brakes, by a negative drive "
-        "torque or the brake",
+        "j_x <= 0 and j_y = 0; while it slows down, in a bend as well; or while the driver "
+        "brakes, by a negative drive torque or the brake",
         source="Zhileykin 2018, below eq 5: phi = pi, j_y = 0, j_x <= 0",
     )
     straight_angle: float = setting(

@@ -71,8 +71,7 @@ class SlipTargetParameters:
     reading: Reading = parameter(
         Reading.RATE,
         about="what the switching control changes: the torque per second (rate), the torque "
-        "itself (offset), or the "
-        "torque per control period (increment)",
+        "itself (offset), or the torque per control period (increment)",
         source="Ge & Ni 2005; the scan leaves it open",
     )
     k_inner: float = parameter(
@@ -81,8 +80,7 @@ class SlipTargetParameters:
         low=0.0,
         high=10000.0,
         about="switching gain of the inner wheel, k_L of a left turn, and of both straight ahead; "
-        "for the reading rate "
-        "per second",
+        "for the reading rate per second",
         source="Ge & Ni 2005",
     )
     k_outer: float = parameter(
@@ -250,8 +248,8 @@ class WheelSpeedParameters:
     mean: KeptMean = parameter(
         KeptMean.TORQUE,
         about="torque: the torques add up to the driver's, only the difference of the speeds is "
-        "commanded; speed: both "
-        "speeds are, and their mean is held where it was when the pedal was pressed",
+        "commanded; speed: both speeds are, and their mean is held where it was when the pedal "
+        "was pressed",
         source="assumption; Ge & Ni 2005 speak of the speed of each wheel as what is controlled",
     )
     proportional_gain: float = parameter(
@@ -275,8 +273,8 @@ class WheelSpeedParameters:
         unit="1",
         low=0.0,
         high=1.0,
-        about="limit of the change of torque over the equal share, of each of both "
-        "loops, so that no torque comes without the pedal",
+        about="limit of the change of torque over the equal share, of each of both loops, so that "
+        "no torque comes without the pedal",
         source="assumption, as in slip_target",
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)

@@ -256,8 +256,7 @@ class CourseStabilityParameters(AssistanceParameters):
         Against.OVERSTEER,
         source="assumption",
         about="both: the car yaws as is wanted; oversteer: no more than that, for where the front "
-        "tyres slide a moment "
-        "into the bend only turns the road wheels further",
+        "tyres slide a moment into the bend only turns the road wheels further",
     )
     stiffness: float = parameter(
         65.0,

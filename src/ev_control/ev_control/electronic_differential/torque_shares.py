@@ -131,8 +131,7 @@ class AdhesionShareParameters:
     limit: bool = parameter(
         False,
         about="whether no wheel gets more than its grip: a traction control, which an ideal "
-        "divider has beside the "
-        "shares in proportion to adhesion",
+        "divider has beside the shares in proportion to adhesion",
         source="the dissertation, section 1.2, lists both; its method 5 is named after the shares",
     )
     estimate: friction_estimate.FrictionEstimateParameters = group(
@@ -232,8 +231,7 @@ class SteeringCorrectionParameters:
     axle: CorrectedAxle = parameter(
         CorrectedAxle.AUTOMATIC,
         about="axle with different torques; automatic: front if both its wheels are driven, each "
-        "on "
-        "its own, else rear",
+        "on its own, else rear",
         source="Tatar & Chudzik: front of front and all-wheel drive, rear of rear drive",
     )
     gain: float = parameter(

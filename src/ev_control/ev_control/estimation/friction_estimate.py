@@ -132,8 +132,7 @@ class FrictionDiagramParameters:
         low=1e-3,
         high=1.0,
         about="slip of the peak on a road without friction; with the growth it is within 0.01 of "
-        "Burckhardt's peaks on "
-        "snow and wet asphalt",
+        "Burckhardt's peaks on snow and wet asphalt",
     )
     growth: float = parameter(
         0.11, unit="1", low=0.0, high=1.0, about="growth of that slip with mu_max"

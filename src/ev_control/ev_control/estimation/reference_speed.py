@@ -104,8 +104,7 @@ class ReferenceSpeedParameters:
     source: Source = parameter(
         Source.AUTOMATIC,
         about="free_wheels: wheels without a motor; observer: acceleration, corrected by the "
-        "wheels; automatic: free "
-        "wheels where the car has any",
+        "wheels; automatic: free wheels where the car has any",
         source="dissertation, eq 2.34, has free wheels; the observer is an assumption",
     )
     gripping_rate: float = parameter(

@@ -41,8 +41,7 @@ class SlipAngleObserverParameters:
         low=0.0,
         high=1.0,
         about="weight of the measured lateral acceleration against that of the linear tyre; the "
-        "steady value is "
-        "the tyre's alone unless it is 1, which drifts with every offset",
+        "steady value is the tyre's alone unless it is 1, which drifts with every offset",
     )
     front_cornering_stiffness: float = parameter(
         160e3, unit="N/rad", low=1e3, high=1e6, about="of the front axle"
@@ -176,10 +175,8 @@ def rolling_speeds(
 ) -> Wheels:
     """Speed of the car [m/s] that each wheel alone means, rolling without slip."""
     ahead = car.wheelbase - car.centre_of_mass_to_rear_axle
-    along, across = (
-        cos(road_wheel_angle),
-        (lateral_velocity + ahead * yaw_rate) * sin(road_wheel_angle),
-    )
+    along = cos(road_wheel_angle)
+    across = (lateral_velocity + ahead * yaw_rate) * sin(road_wheel_angle)
     radius = car.wheel_radius
     front = car.front_track / 2.0 * yaw_rate
     rear = car.rear_track / 2.0 * yaw_rate

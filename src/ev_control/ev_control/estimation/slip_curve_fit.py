@@ -169,8 +169,7 @@ class SlipCurveParameters:
         low=0.0,
         high=1e6,
         about="largest sum of squared errors F of a fit that counts; 0 asks for none, because F "
-        "grows with the "
-        "window and with noise",
+        "grows with the window and with noise",
         source="dissertation, section 2.4: F <= 0.001; not used by default: assumption",
     )
 

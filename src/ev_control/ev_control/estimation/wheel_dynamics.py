@@ -109,9 +109,8 @@ def share_at_rest(share: float) -> Any:
         low=0.01,
         high=1.0,
         about="share of the wanted slip that a limited wheel has at rest; from `slowest` on it is "
-        "whole. With 1 a "
-        "tread that slides by slip times `slowest` passes as one that grips, and the car stands "
-        "on a slippery hill",
+        "whole. With 1 a tread that slides by slip times `slowest` passes as one that grips, and "
+        "the car stands on a slippery hill",
     )
 
 

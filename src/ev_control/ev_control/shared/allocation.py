@@ -40,8 +40,8 @@ class AllocationParameters:
     keep: Keep = parameter(
         Keep.ASKED,
         about="what stays where motors or battery cannot give all: asked: the request, each motor "
-        "cuts its own part; "
-        "sum: other wheels give what one cannot; difference: that of each axle, and the sum yields",
+        "cuts its own part; sum: other wheels give what one cannot; difference: that of each "
+        "axle, and the sum yields",
         source="assumption: the sources have no limits",
     )
     efficiency: float = parameter(

@@ -84,8 +84,8 @@ class BlendingParameters:
     blending: Blending = parameter(
         Blending.DRIVES,
         about="drives: they brake as far as they can, and fast; friction: they only do what is "
-        "asked of them, and the "
-        "friction brakes alone keep the slip, as in a car with an ABS of its brakes",
+        "asked of them, and the friction brakes alone keep the slip, as in a car with an ABS of "
+        "its brakes",
     )
     use: float = parameter(
         0.8,
@@ -93,8 +93,7 @@ class BlendingParameters:
         low=0.0,
         high=1.0,
         about="share of what a drive can brake that it does on the mean while its wheel is "
-        "limited; the rest is to "
-        "brake more at once",
+        "limited; the rest is to brake more at once",
     )
     lag: float = parameter(
         0.05, unit="s", low=0.0, high=1.0, about="time constant of a friction brake"

@@ -70,8 +70,7 @@ class LostMotorParameters:
     keep_difference: bool = setting(
         False,
         about="whether drives steer the car: the difference asked of a lost motor and its partner "
-        "is given also "
-        "where the partner's torque changes its sign by it",
+        "is given also where the partner's torque changes its sign by it",
     )
     recovery: float = setting(
         0.5,

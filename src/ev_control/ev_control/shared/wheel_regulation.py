@@ -202,8 +202,7 @@ class GainedSpeedParameters:
         low=0.0,
         high=0.5,
         about="share of its speed that a wheel may gain on the car while its tyre grips; dry "
-        "asphalt carries half of "
-        "the load at a slip of 0.03",
+        "asphalt carries half of the load at a slip of 0.03",
     )
     least_gain: float = parameter(
         0.3,
@@ -241,9 +240,8 @@ class AccelerationCriterionParameters(GainedSpeedParameters):
         low=0.0,
         high=10.0,
         about="ratio of accelerations below which a wheel slips; 0.4 in the source, more than any "
-        "wheel radius, would "
-        "always be undercut; half the radius stands for a wheel that turns twice as fast as it "
-        "would roll",
+        "wheel radius, would always be undercut; half the radius stands for a wheel that turns "
+        "twice as fast as it would roll",
         source="assumption; dissertation, eq 1.4, has 0.4 m",
     )
     least_acceleration: float = parameter(

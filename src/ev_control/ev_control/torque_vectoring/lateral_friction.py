@@ -132,10 +132,8 @@ def lateral_friction(
     s.yaw_rate = imu.yaw_rate
     s.known = True
     # Both balances, of force and of moment, solved for the side force of each axle.
-    rear_arm, front_arm = (
-        car.centre_of_mass_to_rear_axle,
-        car.wheelbase - car.centre_of_mass_to_rear_axle,
-    )
+    rear_arm = car.centre_of_mass_to_rear_axle
+    front_arm = car.wheelbase - car.centre_of_mass_to_rear_axle
     across = car.mass * imu.lateral_acceleration
     by_tyres = car.yaw_inertia * turn - turned_by(car, effort)
     front_side = (across * rear_arm + by_tyres) / car.wheelbase

@@ -81,10 +81,8 @@ def _gains_at(
     effort = 1.0 / (p.moment * p.moment)
     aside = p.sideslip_error * max(abs(speed), tyres.slowest)
     cost = (1.0 / (aside * aside), 0.0, 0.0, 1.0 / (p.yaw_rate_error * p.yaw_rate_error))
-    closed, reach = (
-        a,
-        (b[0] * b[0] / effort, b[0] * b[1] / effort, b[1] * b[0] / effort, b[1] * b[1] / effort),
-    )
+    closed = a
+    reach = (b[0] * b[0] / effort, b[0] * b[1] / effort, b[1] * b[0] / effort, b[1] * b[1] / effort)
     # Each round doubles the horizon behind which the errors no longer cost anything.
     for _ in range(_DOUBLINGS):
         once = _inverse(_sum((1.0, 0.0, 0.0, 1.0), _product(reach, cost)))

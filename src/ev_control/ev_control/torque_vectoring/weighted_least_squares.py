@@ -51,8 +51,7 @@ class LeastSquaresParameters:
         low=0.0,
         high=1.0,
         about="share of its grip that a wheel may use along however it slides aside; with little "
-        "of it no moment is "
-        "left for a car at its limit",
+        "of it no moment is left for a car at its limit",
     )
 
 

@@ -88,10 +88,8 @@ class FrameLayout:
 if TYPE_CHECKING:
     from cantools.database.can import Message, Signal
 
-_SMALLEST, _LARGEST = (
-    1e-9,
-    1e9,
-)  # of a scale; beyond them float64 does not hold all numbers of a signal apart
+_SMALLEST = 1e-9
+_LARGEST = 1e9
 
 
 @dataclass(frozen=True, slots=True)

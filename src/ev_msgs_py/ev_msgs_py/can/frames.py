@@ -296,10 +296,8 @@ def _field(frame: FrameLayout, name: str) -> BitField:
 
 
 def _device(database: Database, device: str) -> DeviceFrames:
-    set_point, sent = (
-        database[f"{device}_SetPoint"],
-        [database[f"{device}_{kind}"] for kind in SENT],
-    )
+    set_point = database[f"{device}_SetPoint"]
+    sent = [database[f"{device}_{kind}"] for kind in SENT]
     return DeviceFrames(
         float(set_point.identifier),
         float(set_point.data_id),
