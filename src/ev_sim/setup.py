@@ -9,15 +9,23 @@ from setuptools import find_packages, setup
 PACKAGE = ElementTree.parse("package.xml").getroot()
 VERSION = PACKAGE.findtext("version")
 
-# What `ros2 run` starts is put into lib/ev_sim by colcon; a wheel would put it on the PATH, under these bare names.
+# What `ros2 run` starts is put into lib/ev_sim by colcon; a wheel would put it on the PATH, under
+# these bare names.
 ROLES = ("plant", "steering_column", "driver", "rear_steering")
 NODES = [f"{role} = ev_sim.nodes:main" for role in ROLES]
 IS_COLCON = not {"install", "develop"}.isdisjoint(sys.argv)
 
 # ev_sim/config is a link to the folder at the top of the repository.
-CONFIG = [str(path.relative_to("ev_sim")) for path in sorted(Path("ev_sim", "config").rglob("*")) if path.is_file()]
+CONFIG = [
+    str(path.relative_to("ev_sim"))
+    for path in sorted(Path("ev_sim", "config").rglob("*"))
+    if path.is_file()
+]
 if not CONFIG:
-    sys.exit("src/ev_sim alone lacks ev_sim/config, a link out of it: expected a checkout, or scripts/build_wheels.sh")
+    sys.exit(
+        "src/ev_sim alone lacks ev_sim/config, a link out of it: expected a checkout, or "
+        "scripts/build_wheels.sh"
+    )
 
 setup(
     name="ev_sim",

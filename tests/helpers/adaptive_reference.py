@@ -30,6 +30,7 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.plant.guard import GuardState, guarded_steering, guarded_torques
 from ev_sim.plant.planar.body import rates, steer
 from ev_sim.plant.planar.contact import find_road
+from ev_sim.plant.planar.model import Mechanics, Plant
 from ev_sim.plant.planar.planar_state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, Step, index
 from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import Lags, prepare
@@ -193,8 +194,9 @@ def slopes_of(p, car, c, s, state, slope, margins, angle, steps):
     s.battery_work = s.motor_loss = s.driveline_loss = s.auxiliary_work = s.drive_work = 0.0
     find_road(s.motion, c.body, step, c.road, True)
     steer(car, step, angle, 0.0)
-    apply_drives(p, car, c, s, step)
-    rates(state, slope, p, car, c.body, step, False)
+    plant = Plant(p, car, c, s, step)
+    apply_drives(plant)
+    rates(state, slope, Mechanics(p, car, c.body, step), False)
     for i in range(4):
         slope[MOTOR_TORQUE + i] = (s.motor_torque[i] - state[MOTOR_TORQUE + i]) / car.motor.torque_lag
         slope[MOTOR_HEAT + i] = (s.motor_heat[i] - state[MOTOR_HEAT + i]) / car.motor.overload_time
@@ -202,7 +204,7 @@ def slopes_of(p, car, c, s, state, slope, margins, angle, steps):
         torque, dry = dry_friction(car, step, i, state[VX])
         margins[i] = dry - abs(torque) if step.held[i] == 1.0 else step.motion[i] * state[WHEEL_SPEED + i]
         step.turned[i] = state[WHEEL_SPEED + i]
-    account(p, car, c, s, step)
+    account(plant)
     slope[BATTERY_WORK], slope[MOTOR_LOSS], slope[DRIVELINE_LOSS] = s.battery_work, s.motor_loss, s.driveline_loss
     slope[AUXILIARY_WORK], slope[DRIVE_WORK] = s.auxiliary_work, s.drive_work
     slope[STATE_OF_CHARGE] = s.state_of_charge - state[STATE_OF_CHARGE]

@@ -1,4 +1,10 @@
-"""Roads: surfaces along each track and the slope, as functions of travelled distance, and the tyre on each surface."""
+"""Roads by travelled distance: surfaces along each track and the slope, and tyres on surfaces.
+
+How it works: a road has no map. Each wheel has its own travelled distance, and the table of its
+side names the surface there; the slope follows the centre of mass. So any manoeuvre meets the same
+road at the same distance. What a tyre does on a surface is worked out once for each surface
+(`tyre_on_road`), not in each step.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +18,19 @@ from ev_core.law import ParameterError, exp, inlined, parameter, setting
 from ev_core.vehicle.tyre import MF_NAMES, Tyre, mf_tyres
 from ev_msgs_py.refusal import quoted, unknown_name
 from ev_sim.tyres.curve import Coefficients, peak
-from ev_sim.tyres.mf_tyre import at_load, is_plain
+from ev_sim.tyres.mf_tyre import MfTyre, at_load, is_plain
+
+REFERENCE = "dry_asphalt"
+PATTERNS = ("constant", "segments", "checkerboard", "random")
+_FAR = 1e9  # [m], the last segment lies there for ever
 
 
 @inlined
 def segment_at(start: tuple[float, ...], distance: float, previous: int) -> int:
-    """Index of the segment that holds a distance [m], looked for from the previous one on; `start` [m] rises."""
+    """Index of the segment that holds a distance [m], searched from the previous one on.
+
+    `start` [m] rises.
+    """
     index = previous
     while index + 1 < len(start) and distance >= start[index + 1]:
         index += 1
@@ -39,7 +52,7 @@ def interpolate(
 
 
 class TyreOnRoad(NamedTuple):
-    """A tyre on a surface: the coefficients of its curve, f_surface [1] and its available friction [1].
+    """A tyre on a surface: coefficients of its curve, f_surface [1] and available friction [1].
 
     Of an mf_tyre c0 scales the friction and c1 the slip stiffness.
     """
@@ -54,7 +67,7 @@ class TyreOnRoad(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """One surface: Burckhardt coefficients [1] and the range of its part of the rolling resistance coefficient [1]."""
+    """One surface: Burckhardt coefficients [1], and the range of its rolling resistance [1]."""
 
     c1: float
     c2: float
@@ -73,8 +86,8 @@ class Surface:
         return peak("burckhardt", (self.c1, self.c2, self.c3, 0.0))
 
 
-# Dissertation, table 2.3 (friction) and table 2.2 (f_surface); the last one is Burckhardt's dry asphalt as most
-# textbooks print it (for example Kiencke & Nielsen 2005).
+# Dissertation, table 2.3 (friction) and table 2.2 (f_surface); the last one is Burckhardt's dry
+# asphalt as most textbooks print it (for example Kiencke & Nielsen 2005).
 SURFACES = {
     "dry_asphalt": Surface(1.029, 17.16, 0.523),
     "wet_asphalt_1": Surface(0.857, 33.822, 0.347, (0.007, 0.015)),
@@ -84,24 +97,31 @@ SURFACES = {
     "ice": Surface(0.05, 306.39, 0.0, (0.004, 0.006)),
     "dry_asphalt_burckhardt": Surface(1.2801, 23.99, 0.52),
 }
-REFERENCE = "dry_asphalt"
 
 
-def tyre_on_road(tyre: Tyre, surface: str | Surface, rolling_resistance_scale: float = 1.0) -> TyreOnRoad:
-    """A tyre on a surface, one of the table by its name, whose f_surface is scaled.
+def tyre_on_road(
+    tyre: Tyre, surface: str | Surface, rolling_resistance_scale: float = 1.0
+) -> TyreOnRoad:
+    """A tyre on a surface, one of the table by its name; its f_surface is scaled.
 
-    A Burckhardt tyre takes the coefficients of the surface. The friction of every other tyre is scaled by the peak of
-    the surface over that of dry asphalt (an assumption, the sources give such tyres for one road only), and an mf_tyre
-    keeps its slip stiffness by that; a linear tyre keeps its slope, and its available friction is that of the surface.
+    A Burckhardt tyre takes the coefficients of the surface. The friction of every other tyre is
+    scaled by the peak of the surface over that of dry asphalt (an assumption, the sources give such
+    tyres for one road only), and an mf_tyre keeps its slip stiffness by that; a linear tyre keeps
+    its slope, and its available friction is that of the surface.
     """
     of = SURFACES[surface] if isinstance(surface, str) else surface
     curve, (c0, c1, c2, c3) = tyre.curve, tyre.coefficients
     scale = of.peak_friction / SURFACES[REFERENCE].peak_friction
     rolling_resistance = rolling_resistance_scale * of.rolling_resistance
     if curve == "mf_tyre":
-        return TyreOnRoad(scale, 1.0, 0.0, 0.0, rolling_resistance, scale * tyre.front_mf[MF_NAMES.index("pdx1")])
+        return TyreOnRoad(
+            scale, 1.0, 0.0, 0.0, rolling_resistance, scale * tyre.front_mf[MF_NAMES.index("pdx1")]
+        )
     if curve == "burckhardt":
-        c0, c1, c2, c3 = of.c1, of.c2, of.c3, 0.0
+        c0 = of.c1
+        c1 = of.c2
+        c2 = of.c3
+        c3 = 0.0
     elif curve in ("rational", "two_exponential"):
         c0 *= scale
     elif curve == "dry_friction":
@@ -113,14 +133,19 @@ def tyre_on_road(tyre: Tyre, surface: str | Surface, rolling_resistance_scale: f
 
 
 def curve_on_road(tyre: Tyre, surface: str | Surface) -> tuple[str, Coefficients]:
-    """The friction curve of a tyre on a surface, as `tyres.curve` has it; that of a front mf_tyre at nominal load."""
+    """Friction curve of a tyre on a surface, by name and coefficients.
+
+    That of an mf_tyre is the one of a front tyre at nominal load.
+    """
     of = tyre_on_road(tyre, surface)
     if tyre.curve != "mf_tyre":
         return tyre.curve, Coefficients(*of[:4])
     tyres = mf_tyres(tyre.front_mf, tyre.rear_mf)
     nominal = tyres.fnomin[0]
-    loaded = at_load(tyres, 0, nominal, of.c0, of.c1, is_plain(tyres))
-    return "magic_formula", Coefficients(loaded.factor_x, tyres.pcx1[0], loaded.peak_x / nominal, loaded.curvature_x)
+    loaded = at_load(MfTyre(tyres, 0, is_plain(tyres)), nominal, of.c0, of.c1)
+    return "magic_formula", Coefficients(
+        loaded.factor_x, tyres.pcx1[0], loaded.peak_x / nominal, loaded.curvature_x
+    )
 
 
 def random_segments(
@@ -132,8 +157,9 @@ def random_segments(
 ) -> tuple[tuple[float, ...], tuple[str, ...]]:
     """Starts [m] and surfaces of segments with uniform lengths, until `distance` is covered.
 
-    `length_range` is the shortest and the longest segment [m]. Lengths do not depend on the surface, so
-    `probability` [1] is also each surface's expected share of the distance. The first start is 0.
+    `length_range` is the shortest and the longest segment [m]. Lengths do not depend on the
+    surface, so `probability` [1] is also each surface's expected share of the distance. The first
+    start is 0.
     """
     share = (np.cumsum(probability) / np.sum(probability)).tolist()
     starts, chosen = [0.0], []
@@ -144,37 +170,51 @@ def random_segments(
     return tuple(starts[:-1]), tuple(chosen)
 
 
-PATTERNS = ("constant", "segments", "checkerboard", "random")
-
 _KNOWN = f"of the table ({', '.join(SURFACES)}) or of `own`"
-_FAR = 1e9  # [m], the last segment lies there for ever
 
 
 @dataclass(frozen=True, slots=True)
 class RoadParameters:
-    """Surfaces by side and segment, slope by distance; the first and the last segment go on for ever."""
+    """Surfaces by side and segment, slope by distance; first and last segment go on for ever."""
 
     pattern: str = setting(
         "constant",
         choices=PATTERNS,
-        about="constant: left[0] | right[0]; segments: in order of `length`; checkerboard: sides swap in each "
+        about="constant: left[0] | right[0]; segments: in order of `length`; checkerboard: sides "
+        "swap in each "
         "segment; random: drawn for each side on its own",
     )
-    left: tuple[str, ...] = setting(("dry_asphalt",), about=f"surfaces under the left wheels, {_KNOWN}")
+    left: tuple[str, ...] = setting(
+        ("dry_asphalt",), about=f"surfaces under the left wheels, {_KNOWN}"
+    )
     right: tuple[str, ...] = setting(("dry_asphalt",), about="surfaces under the right wheels")
     length: tuple[float, ...] = setting(
-        (10.0,), unit="m", low=0.1, high=1e6, about="lengths of the segments; the last one given repeats"
+        (10.0,),
+        unit="m",
+        low=0.1,
+        high=1e6,
+        about="lengths of the segments; the last one given repeats",
     )
-    seed: int = setting(1, low=0, high=2**31 - 1, about="seed of the random segments; goes with that of the node")
+    seed: int = setting(
+        1, low=0, high=2**31 - 1, about="seed of the random segments; goes with that of the node"
+    )
     random_surfaces: tuple[str, ...] = setting(
         ("wet_asphalt_1", "packed_snow_1"), about="surfaces that random segments are drawn from"
     )
     random_probability: tuple[float, ...] = parameter(
-        (0.4, 0.6), unit="1", low=0.0, high=1.0, about="share of the distance of each random surface",
+        (0.4, 0.6),
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="share of the distance of each random surface",
         source="dissertation, section 2.6: wet asphalt 40 %, packed snow 60 %",
-    )  # fmt: skip
-    random_shortest: float = setting(5.0, unit="m", low=0.1, high=1e4, about="shortest random segment")
-    random_longest: float = setting(50.0, unit="m", low=0.1, high=1e4, about="longest random segment")
+    )
+    random_shortest: float = setting(
+        5.0, unit="m", low=0.1, high=1e4, about="shortest random segment"
+    )
+    random_longest: float = setting(
+        50.0, unit="m", low=0.1, high=1e4, about="longest random segment"
+    )
     random_distance: float = setting(
         5000.0, unit="m", low=1.0, high=1e5, about="distance over which random segments are drawn"
     )
@@ -183,38 +223,70 @@ class RoadParameters:
         unit="1",
         low=0.0,
         high=10.0,
-        about="factor on the rolling resistance that the surfaces add to that of the vehicle; packed snow has 0.79 to "
+        about="factor on the rolling resistance that the surfaces add to that of the vehicle; "
+        "packed snow has 0.79 to "
         "1.21",
         source="dissertation, table 2.2, of which 1 is the middle",
     )
     slope_distance: tuple[float, ...] = setting(
-        (0.0,), unit="m", low=-1e6, high=1e6, about="distances of the slope profile, rising; linear in between"
+        (0.0,),
+        unit="m",
+        low=-1e6,
+        high=1e6,
+        about="distances of the slope profile, rising; linear in between",
     )
     grade: tuple[float, ...] = setting(
-        (0.0,), unit="1", low=-1.0, high=1.0, about="rise over run along the road at `slope_distance`, uphill positive"
+        (0.0,),
+        unit="1",
+        low=-1.0,
+        high=1.0,
+        about="rise over run along the road at `slope_distance`, uphill positive",
     )
     side_slope: tuple[float, ...] = setting(
-        (0.0,), unit="1", low=-1.0, high=1.0, about="rise over run to the left at `slope_distance`", lateral=True
+        (0.0,),
+        unit="1",
+        low=-1.0,
+        high=1.0,
+        about="rise over run to the left at `slope_distance`",
+        lateral=True,
     )
-    own: tuple[str, ...] = setting((), about="names of surfaces of your own; one number of each list below for each")
+    own: tuple[str, ...] = setting(
+        (), about="names of surfaces of your own; one number of each list below for each"
+    )
     own_c1: tuple[float, ...] = setting(
-        (), unit="1", low=0.0, high=5.0, about="friction use = c1 (1 - exp(-c2 slip)) - c3 slip, as Burckhardt has it"
+        (),
+        unit="1",
+        low=0.0,
+        high=5.0,
+        about="friction use = c1 (1 - exp(-c2 slip)) - c3 slip, as Burckhardt has it",
     )
     own_c2: tuple[float, ...] = setting((), unit="1", low=1.0, high=1000.0, about="c2 of the same")
     own_c3: tuple[float, ...] = setting((), unit="1", low=0.0, high=5.0, about="c3 of the same")
     own_rolling_resistance: tuple[float, ...] = setting(
-        (), unit="1", low=0.0, high=1.0, about="rolling resistance coefficient that the surface adds to that of the car"
+        (),
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="rolling resistance coefficient that the surface adds to that of the car",
     )
 
     def __post_init__(self) -> None:
         if not (self.left and self.right and self.length):
             raise ParameterError("left, right and length need at least one element each")
-        if len(self.random_surfaces) != len(self.random_probability) or sum(self.random_probability) <= 0.0:
-            raise ParameterError("random_probability needs one share for each of random_surfaces, not all of them zero")
+        if (
+            len(self.random_surfaces) != len(self.random_probability)
+            or sum(self.random_probability) <= 0.0
+        ):
+            raise ParameterError(
+                "random_probability needs one share for each of random_surfaces, not all of them "
+                "zero"
+            )
         if self.random_shortest > self.random_longest:
             raise ParameterError("random_shortest is above random_longest")
         if not len(self.slope_distance) == len(self.grade) == len(self.side_slope):
-            raise ParameterError("slope_distance, grade and side_slope need the same number of elements")
+            raise ParameterError(
+                "slope_distance, grade and side_slope need the same number of elements"
+            )
         if any(b <= a for a, b in zip(self.slope_distance, self.slope_distance[1:], strict=False)):
             raise ParameterError("slope_distance must rise")
         self._check_surfaces()
@@ -222,12 +294,18 @@ class RoadParameters:
     def _check_surfaces(self) -> None:
         numbers = (self.own_c1, self.own_c2, self.own_c3, self.own_rolling_resistance)
         if any(len(each) != len(self.own) for each in numbers):
-            raise ParameterError("own_c1, own_c2, own_c3 and own_rolling_resistance need one number for each of own")
+            raise ParameterError(
+                "own_c1, own_c2, own_c3 and own_rolling_resistance need one number for each of own"
+            )
         for i, name in enumerate(self.own):
             if name in SURFACES or name in self.own[:i]:
-                raise ParameterError(f"own {quoted(name)} is refused: there is such a surface, expected another name")
+                raise ParameterError(
+                    f"own {quoted(name)} is refused: there is such a surface, expected another name"
+                )
             if self.own_c1[i] * (1.0 - exp(-self.own_c2[i])) - self.own_c3[i] <= 0.0:
-                raise ParameterError(f"own {quoted(name)} has no friction at a slip of 1, expected a smaller c3")
+                raise ParameterError(
+                    f"own {quoted(name)} has no friction at a slip of 1, expected a smaller c3"
+                )
         known = (*SURFACES, *self.own)
         for where in ("left", "right", "random_surfaces"):
             for name in getattr(self, where):
@@ -236,7 +314,7 @@ class RoadParameters:
 
     @property
     def is_random(self) -> bool:
-        """Whether the seed matters."""
+        """True if the seed matters."""
         return self.pattern == "random"
 
     def surface(self, name: str) -> Surface:
@@ -278,7 +356,9 @@ def left_and_right(road: RoadParameters) -> tuple[Segments, Segments]:
         (road.random_shortest, road.random_longest),
         road.random_distance,
     )
-    left_side, right_side = (random_segments(np.random.default_rng((road.seed, side)), *drawn) for side in (0, 1))
+    left_side, right_side = (
+        random_segments(np.random.default_rng((road.seed, side)), *drawn) for side in (0, 1)
+    )
     return Segments(*left_side), Segments(*right_side)
 
 

@@ -1,4 +1,4 @@
-"""Config folders are found from a checkout, from a wheel, and where a user says; a user's own go first."""
+"""Config folders are found from a checkout, a wheel, and a user's folder; a user's own go first."""
 
 from pathlib import Path
 
@@ -7,16 +7,20 @@ import pytest
 from ev_core.parameters.data_file import VARIABLE, config_folders, files_in_config, find_in_config
 
 
-def test_folders_of_ones_own_go_before_the_installed_one(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+def test_folders_of_ones_own_go_before_the_installed_one(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+):
     first, second = tmp_path / "first", tmp_path / "second"
     for folder in (first, second):
         (folder / "vehicles").mkdir(parents=True)
         (folder / "vehicles" / "mine.yaml").touch()
     monkeypatch.setenv(VARIABLE, f"{first}:{second}")
     vehicles = files_in_config("vehicles")
-    assert vehicles["mine"] == find_in_config("vehicles/mine.yaml") == first / "vehicles" / "mine.yaml"
+    assert (
+        vehicles["mine"] == find_in_config("vehicles/mine.yaml") == first / "vehicles" / "mine.yaml"
+    )
     assert vehicles["audi_a2"].exists()
-    assert find_in_config("vehicles/nobody.yaml") is None
+    assert find_in_config("vehicles/unknown.yaml") is None
 
 
 def test_installed_folder_has_the_files_of_the_repository(monkeypatch: pytest.MonkeyPatch):
@@ -24,7 +28,9 @@ def test_installed_folder_has_the_files_of_the_repository(monkeypatch: pytest.Mo
     source = Path(__file__).parents[3] / "config"
     (installed,) = config_folders()
     wanted = {path.relative_to(source) for path in source.rglob("*") if path.is_file()}
-    assert wanted == {path.relative_to(installed) for path in installed.rglob("*") if path.is_file()}
+    assert wanted == {
+        path.relative_to(installed) for path in installed.rglob("*") if path.is_file()
+    }
 
 
 def test_missing_folder_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):

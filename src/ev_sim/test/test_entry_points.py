@@ -1,4 +1,4 @@
-"""What setup.py announces is there."""
+"""Everything that setup.py announces exists."""
 
 from importlib.metadata import EntryPoint, distribution
 

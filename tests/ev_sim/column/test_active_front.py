@@ -18,7 +18,7 @@ HANDS = 0.8  # [rad]
 
 
 class Active:
-    """The column on a car that moves as it is told."""
+    """The column on a car with a given motion."""
 
     def __init__(self, **values: Any) -> None:
         method = find_method("steering_column", "active_front")
@@ -62,7 +62,7 @@ def test_it_steers_against_too_much_yaw_whichever_way_the_car_goes(speed, sign):
 
 
 def test_wanted_is_no_more_than_the_road_gives():
-    """At 20 m/s the hands ask for 0.4 rad/s, the road gives 3/20: a car that turns so gets nothing."""
+    """A car that turns at the 3/20 rad/s that the road gives gets nothing, though the hands ask for 0.4 rad/s."""
     assert at_wanted(20.0) > 0.15
     state = Active().drive(BodyVelocity(20.0, 0.0, 0.15), 1.0)
     assert state.road_wheel_angle == pytest.approx(HANDS / CAR.steering_ratio)
@@ -83,7 +83,7 @@ def test_limits_of_angle_and_rate():
 
 
 def test_without_gain_it_is_the_steering_robot():
-    """To the bit, whatever the car does."""
+    """Both agree to the bit, whatever the car does."""
     values = {"profile.time": [0.1, 0.6], "profile.angle": [0.0, 3.0]}
     method = find_method("steering_column", "steering_robot")
     robot, active = create(method, build(method.parameters, values), CAR, PERIOD), Active(gain=0.0, **values)

@@ -55,9 +55,9 @@ def test_torque_difference_of_the_drives_is_a_disturbance():
 
 @pytest.mark.parametrize("share", [0.0, 1.0])
 def test_road_feel_is_that_of_a_mechanical_column(share):
-    """To hold 30 deg at the road wheels takes k_p 30 deg/i = 2.127 N m (shchur.hold30.manual) beside the own spring.
+    """Holding 30 deg at the road wheels takes k_p 30 deg/i = 2.127 N m (shchur.hold30.manual) beside the own spring.
 
-    Without feel only that: 0.25 N m/rad times i 30 deg.
+    That is all without feel: 0.25 N m/rad times i 30 deg.
     """
     hold, angle = K * math.radians(30.0) / RATIO, math.radians(30.0)
     state = Actuated(**{"feel.share": share}).hold(8.0, share * hold + 0.25 * RATIO * angle)

@@ -1,4 +1,4 @@
-"""What holds for more than one steering column."""
+"""Properties of more than one steering column."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ def test_dry_friction_takes_the_same_angle_of_every_half_oscillation(period):
 
 @given(direction=st.sampled_from([-1.0, 1.0]), friction=st.floats(0.1, 100.0))
 def test_breakaway_is_at_the_dry_friction(direction, friction):
-    """At exactly M_c nothing moves; a part in 10^9 more moves the wheels that way, and only that far: (T - M_c)/k."""
+    """Nothing moves at exactly M_c; a part in 10^9 more moves the wheels that way, and only that far: (T - M_c)/k."""
     motion = oscillator(J, B, K, friction, FAR, 0.01)
     assert advance(motion, 0.0, 0.0, direction * friction) == (0.0, 0.0)
     torque, angle, rate = friction * (1 + 1e-9), 0.0, 0.0

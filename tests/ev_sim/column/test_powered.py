@@ -7,7 +7,7 @@ from column.columns import LEVER, Column, K, wheels_with
 
 
 def test_drive_torque_difference_turns_the_wheels():
-    """At rest k_p delta = d/(2 r_k) (M_R - M_L); after 20 s the free motion has decayed to e^-27."""
+    """Equilibrium is k_p delta = d/(2 r_k) (M_R - M_L); after 20 s the free motion has decayed to e^-27."""
     column = Column("powered")
     for _ in range(20000):
         state = column.advance(0.0, wheels_with(difference=10.0))

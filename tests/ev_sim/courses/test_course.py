@@ -71,7 +71,7 @@ def test_the_racing_line_stays_within_the_widths_and_bends_least():
 
 
 def test_the_line_of_the_mirrored_course_is_the_mirrored_line():
-    """To the bit: driven clockwise and anticlockwise."""
+    """Both lines agree to the bit, driven clockwise and anticlockwise."""
     other = racing_line(CourseParameters(x=HANDLING.x, y=tuple(-y for y in HANDLING.y), width=HANDLING.width), TRACK)
     assert (other.points == LINE.points * (1.0, -1.0)).all()
     assert (other.curvature == -LINE.curvature).all()
@@ -83,7 +83,7 @@ def test_the_line_of_the_mirrored_course_is_the_mirrored_line():
     car=st.sampled_from(["compact_ev", "layout_1_8_c", "engine_4x4"]),
 )
 def test_the_speed_profile_never_leaves_the_friction_ellipse(bends: list[float], step: float, car: str):
-    """At neither end of any step, with the drag on top of what speeds the car up, and it ends at rest."""
+    """Both ends of every step are on or within it, with the drag on top of what drives the car; it ends at rest."""
     vehicle = vehicle_of(car)
     ellipse = limits(LimitParameters(), vehicle)
     curvature = np.repeat(bends, 10)
@@ -137,7 +137,7 @@ def test_a_bad_file_is_one_line(tmp_path: Path, text: str, line: str):
     ],
 )
 def test_points_that_are_no_course_are_one_line(tmp_path: Path, spoilt: dict[int, str | None], line: str):
-    """Of a circle of 30 m with 40 points: a jump, a negative width, no end, a road wider than the circle."""
+    """A circle of 30 m with 40 points is refused with a jump, a negative width, no end, or too wide a road."""
     path, rows = tmp_path / "course.csv", []
     for n in range(40):
         turn = 2.0 * np.pi * n / 40
@@ -155,9 +155,9 @@ def test_a_road_narrower_than_the_car_is_refused():
 
 
 def test_a_header_behind_a_hash_and_a_last_point_that_repeats_the_first_are_read(tmp_path: Path):
-    """As the files of racetrack-database have it, and those of others; a quote in a comment changes nothing.
+    """Files of racetrack-database and of others have both; a quote in a comment changes nothing.
 
-    Of two headers the one without a hash counts.
+    The one of two headers without a hash counts.
     """
     rows = []
     for n in range(41):
@@ -179,7 +179,7 @@ def test_a_header_behind_a_hash_and_a_last_point_that_repeats_the_first_are_read
 
 
 def refusal_of(path: Path) -> str:
-    """What a file is refused with, in one line."""
+    """The one line with which a file is refused."""
     with pytest.raises(ParameterError) as refused:
         with_course_from_file(CourseParameters(file=str(path)))
     assert "\n" not in str(refused.value)

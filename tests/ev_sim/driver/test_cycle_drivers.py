@@ -39,7 +39,7 @@ def test_imposed_speed_is_the_cycle():
 
 @pytest.mark.parametrize("driver", ["pulse", "imposed_speed"])
 def test_pedal_is_at_the_power_or_released(driver):
-    """In traction windows; imposed speed never releases it."""
+    """The pedal is one of both in traction windows; `imposed_speed` never releases it."""
     run = driven(driver)
     c = run.channels
     speed = np.copysign(np.hypot(c["twist.longitudinal"], c["twist.lateral"]), c["twist.longitudinal"])
@@ -72,7 +72,7 @@ def test_foot_goes_down_below_the_cycle_and_up_above_it():
 
 @pytest.mark.parametrize("driver", ["tracking", "pulse"])
 def test_car_stands_in_stop_windows(driver):
-    """From one second into the window, for the regeneration before ends with the car at rest: within 1 mm."""
+    """The car stands within 1 mm from one second into the window; the regeneration before ends at rest."""
     run = driven(driver)
     for start, end in ((0.0, 15.7), (72.9, 89.0)):
         inside = (run.time >= start + 1.0) & (run.time < end)

@@ -37,7 +37,7 @@ def car_named(name: str) -> Vehicle:
 def rolls(
     vehicle: Vehicle, road: str, grade: float, seconds: float, *, locked: bool = False, speed: float = 0.0
 ) -> tuple[float, float]:
-    """How far [m] and how fast [m/s] a car is that a driver wants to stand, or whose wheels are locked."""
+    """Distance [m] and speed [m/s] of a car that a driver holds, or that has locked wheels."""
     left, right = ROADS[road]
     moving = plant(vehicle, road__grade=(grade,), road__left=(left,), road__right=(right,), initial_speed=speed)
     car, feet, drive, brakes = namespace(car_numbers(vehicle)), SpeedControlState(), 0.0, (4000.0,) * 4
@@ -76,7 +76,7 @@ def steepest(vehicle: Vehicle, road: str, direction: float) -> float:
 @pytest.mark.parametrize("name", CARS)
 @pytest.mark.sampled
 def test_a_driver_who_wants_to_stand_stands_up_to_the_steepest_slope_that_friction_holds(name, road, direction):
-    """At 97 % of the slope on which locked wheels begin to slide, at half and at a tenth of it."""
+    """The car stands at 97 % of the slope on which locked wheels begin to slide, at half and at a tenth of it."""
     vehicle = car_named(name)
     limit = steepest(vehicle, road, direction)
     assert limit > {"dry": 0.4, "snow": 0.15}.get(road, 0.1)

@@ -1,6 +1,6 @@
 """The course of the double lane change: a line that fits every car, and a driver who keeps to it whatever he sees.
 
-The long form: `python benchmarks/lane_change.py`, whose tables stand in docs/scenarios.md.
+The long form is `python benchmarks/lane_change.py`; docs/scenarios.md has its tables.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def test_no_car_touches_a_cone_at_walking_speed(car):
 
 
 def test_cones_do_not_hang_on_the_speed():
-    """With a preview of 0.3 s and pure pursuit 1, 0 and 4 of them fell."""
+    """No cone falls at any speed; a preview of 0.3 s and pure pursuit fells up to 4."""
     found = through_lanes("audi_a2", [20, 40, 75, 80, 85], lane_change.AS_IT_COMES)
     assert [each.cones for each in found] == [0] * 5
 
@@ -57,7 +57,7 @@ def test_cones_do_not_hang_on_how_far_the_driver_sees(car):
 def test_the_car_turns_about_as_fast_as_its_line_bends():
     """The line's largest bend, 1/134 m, is 0.17 rad/s at 80 km/h; a quarter more (0.21) is what its tail does.
 
-    With its centre of mass held on a line a car is free to swing: omega^2 = L C_r/J_z, damped by zeta = omega b/(2 V),
+    A car with its centre of mass held on a line is free to swing: omega^2 = L C_r/J_z, damped by zeta = omega b/(2 V),
     0.31 at 80 km/h. A driver who holds the line too firmly, or does not know how late his wheels turn, makes it swing.
     """
     assert 0.16 < ev_stack.run("double_lane_change").metrics["peak_yaw_rate"].value < 0.23

@@ -66,7 +66,7 @@ def test_too_fast_a_car_leaves_the_course():
 
 
 def test_a_lap_the_other_way_round_is_the_mirror_image():
-    """To the bit, where forces left and right are alike: 8 s, into the first bend."""
+    """Both laps mirror to the bit where forces left and right are alike: 8 s, into the first bend."""
     course = driven(duration=0.1).course
     assert course is not None
     other = {"driver__course__y": [-y + 0.0 for y in course.y]}
@@ -96,9 +96,9 @@ def test_the_hottest_winding_counts(lap: DrivenRun):
 
 
 def test_a_car_that_cuts_across_leaves_the_course(lap: DrivenRun):
-    """Where it stands for some seconds of the lap on another part of it, and on no road in between.
+    """A car counts as off the course where it is on another part of it for some seconds, and between both.
 
-    Also who looks at pieces of the run finds it, as each begins with the last sample of the one before.
+    Pieces of the run show it as well: each begins with the last sample of the one before.
     """
     channels = dict(lap.signals.channels)
     for name in ("pose.x", "pose.y"):
@@ -110,7 +110,7 @@ def test_a_car_that_cuts_across_leaves_the_course(lap: DrivenRun):
 
 @pytest.mark.parametrize("crossing", [0, 1], ids=["first", "last"])
 def test_a_car_that_goes_back_across_the_line_begins_no_lap_once_more(lap: DrivenRun, crossing: int):
-    """As if it reversed 5 samples behind the line: the lap lasts as long as before, or longer by the way to and fro."""
+    """The lap is as long as without reversing 5 samples behind the line, or longer by the way to and fro."""
     signals, line = lap.signals, line_of(lap.course, lap.vehicle).points[0]
     far = np.hypot(signals.channels["pose.x"] - line[0], signals.channels["pose.y"] - line[1])
     at = far[:1000].argmin() if crossing == 0 else 1000 + far[1000:].argmin()
@@ -133,7 +133,7 @@ def eight(folder: Path) -> str:
 
 @pytest.mark.parametrize("side", [1.0, -1.0], ids=["left", "right"])
 def test_an_own_course_is_lapped_as_documented_even_where_it_crosses_itself(tmp_path, side):
-    """By its file alone: the car starts on its racing line, the run lasts until it stands, and no lap is cut.
+    """The file alone is enough: the car starts on its racing line, the run lasts until it stands, and no lap is cut.
 
     Nor does the crossing, which is at the line of the lap, count as a lap or as leaving the course.
     """

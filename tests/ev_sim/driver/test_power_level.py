@@ -31,7 +31,7 @@ def test_power_by_hand():
 
 
 def test_driven_wheels_carry_the_power():
-    """With all wheels driven the load is the whole weight, and the mean speed that of all four."""
+    """The load with all wheels driven is the whole weight, and the mean speed that of all four."""
     all_wheels = namespace(car_numbers(dataclasses.replace(VEHICLE, driven_wheels=WHEEL_NAMES)))
     rolling = WheelStates(NO_WHEELS, Wheels(20.0, 30.0, 40.0, 50.0), NO_WHEELS)
     power = LEVEL.factor * (0.4022 + 0.083) * 2170 * 9.81 * 8.0 / (1 - 0.0907)

@@ -48,10 +48,10 @@ def test_every_car_settles_in_reverse(car):
 @pytest.mark.parametrize("car", CARS)
 @pytest.mark.sampled
 def test_bends_of_3_m_per_s2_are_followed(car):
-    """At 30 to 140 km/h within 0.45 m of a bend that begins at once, and within 2 cm per m/s^2 in its end.
+    """The car stays within 0.45 m of a bend that begins at once, and within 2 cm per m/s^2 at its end.
 
-    What tyres lose against their slope at rest is learnt. The kei car of Ge & Ni has 40 % more of that, so 2 m/s^2, and
-    its tyres slide so slowly that it is still on its way: 0.2 m.
+    Speeds are 30 to 140 km/h. The driver learns what tyres lose against their slope at rest. The kei car of Ge & Ni
+    has 40 % more of that, so 2 m/s^2, and its tyres slide so slowly that it is still on its way: 0.2 m.
     """
     acceleration = 2.0 if car == "ge_ni2005" else 3.0
     radii = [speed * speed / acceleration for speed in SPEEDS_DRIVEN]
@@ -119,7 +119,7 @@ def test_gains_are_those_of_the_textbook():
 
 
 def test_a_flat_front_tyre_is_learnt():
-    """R = 100 m at 60 km/h: 70 % of the outer front tyre's stiffness are lost; who never learns stays 0.9 m off."""
+    """R = 100 m at 60 km/h with 30 % of the outer front tyre's stiffness; without learning 0.9 m are left."""
     bend = {"shape": "arcs", "length": [40.0, 600.0], "curvature": [0.0, 0.01]}
     flat: dict[str, Any] = {"plant__faults": ["puncture front_right 1 from 5"]}
     ends = {}

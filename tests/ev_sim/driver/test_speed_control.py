@@ -70,7 +70,7 @@ def test_speed_control_recovers_from_its_limit():
 
 
 def test_stop_and_stand():
-    """From 10 m/s to a stop within 4 s, with regeneration only; then it stands exactly, on the brake."""
+    """The car stops from 10 m/s within 4 s, by regeneration alone; then it stands exactly, on the brake."""
     driver = driver_of("speed_profile", speed_profile__time=(0.0, 2.0, 12.0), speed_profile__speed=(10.0, 10.0, 0.0))
     rows = ride(driver, PointMass(10.0), 20.0)
     assert max(command.brake_torque for time, _, command in rows if time < 12.0) == 0.0

@@ -1,4 +1,4 @@
-"""How fast a driver takes the bends of a path."""
+"""Speeds at which a driver takes the bends of a path."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.car import GRAVITY
 from ev_sim.driver.path import (
+    OnLeg,
     Path,
     PathParameters,
     SpeedPlanParameters,
@@ -36,7 +37,7 @@ def planned(path: Path) -> tuple[np.ndarray, np.ndarray]:
     for leg, length in enumerate(path.length):
         for passed in np.linspace(0.0, length, 5, endpoint=False):
             x, y = path.x[leg] + passed * path.along_x[leg], path.y[leg] + passed * path.along_y[leg]
-            speed = planned_speed(NUMBERS, plan, path, SpeedPlanState(), 0.0, x, y, leg, 0.0)
+            speed = planned_speed(NUMBERS, plan, path, SpeedPlanState(), OnLeg(leg, x, y, 0.0, 0.0))
             found.append((path.start[leg] + passed, speed))
     return tuple(np.array(found).T)
 
@@ -107,7 +108,7 @@ def test_a_driver_slows_down_before_a_bend_that_the_car_cannot_take():
 
 
 def test_a_plan_that_comes_too_late_is_said():
-    """10 m before the bend the plan allows 14 m/s: the note says so, and from when on."""
+    """A note names the time from which on the plan is missed: 10 m before the bend it allows 14 m/s."""
     _, _, notes = into_bend(10.0)
     assert notes[0].startswith("the car was too fast for its speed plan from 0.00 s on, by more than 2 m/s")
 

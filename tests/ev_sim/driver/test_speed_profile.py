@@ -15,7 +15,7 @@ from ev_sim.profiles.profile import profile_of, value_at
 
 
 def test_driver_is_registered_and_its_defaults_start_at_rest():
-    """At t = 0 the paper's cycle stands: the brake holds, the hands rest."""
+    """The paper's cycle stands at t = 0: the brake holds, the hands rest."""
     holding = SpeedControlParameters().holding_share * CAR.mass * 9.81 * CAR.wheel_radius
     assert driver_of("speed_profile").step(Instant(0.0), at(0.0), CENTRED) == DriverCommand(0.0, holding, 0.0)
 

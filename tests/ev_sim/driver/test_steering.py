@@ -1,4 +1,4 @@
-"""The driver's hands: they turn to an angle with every steering column, and hold what the paper says."""
+"""The driver's hands: they turn to an angle with every steering column, and hold the angles of the paper."""
 
 from __future__ import annotations
 

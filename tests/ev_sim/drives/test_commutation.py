@@ -61,7 +61,7 @@ def phase_model(speed, bus_voltage, duration):
 
 @pytest.mark.parametrize(("speed", "bus_voltage"), [(95.0, 480.0), (95.0, 300.0), (-95.0, 480.0)])
 def test_switched_drive_agrees_with_a_plain_model_of_three_phases(speed, bus_voltage):
-    """Without reaching the current limit, over three commutations; the second bus makes the diodes conduct.
+    """Three commutations agree without reaching the current limit; the second bus makes the diodes conduct.
 
     0.1 % of the torque: the explicit steps of the plain model, of which the freewheeling phase may pass zero by one.
     """
@@ -73,7 +73,7 @@ def test_switched_drive_agrees_with_a_plain_model_of_three_phases(speed, bus_vol
 
 @pytest.mark.parametrize("changes", SWITCHED, ids=name_of)
 def test_commutation_makes_six_ripples_in_an_electrical_turn(changes):
-    """At 40 N m and 60 rad/s (a turn takes 10.47 ms) the sixth harmonic stands far above its neighbours."""
+    """The sixth harmonic is far above its neighbours at 40 N m and 60 rad/s (a turn takes 10.47 ms)."""
     turn = math.tau / (10 * 60.0)
     result = run(changes, 40.0, 60.0, duration=30 * turn, step=turn / 120, settled=10 * turn)
     spectrum = np.abs(np.fft.rfft(result.mean_torque)) / len(result.mean_torque) * 2
@@ -122,7 +122,7 @@ def test_lost_current_control_does_not_depend_on_how_the_converter_chops():
 def test_halving_the_micro_step_converges(changes):
     """Mean torque over 50 ms at 60 rad/s against a micro-step of 0.25 us; 1e-5 of it at the default of 5 us.
 
-    With PWM, whose instants do not feed back on themselves, the error falls with the square of the step: to a quarter,
+    The instants of PWM do not feed back on themselves: its error falls with the square of the step: to a quarter,
     or a third where events within a step disturb that. Hysteresis shifts its own instants, so only its size is known.
     """
 

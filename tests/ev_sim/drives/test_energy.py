@@ -1,4 +1,4 @@
-"""Where the electrical energy of a drive goes, and where it comes from."""
+"""Balances of the electrical energy of a drive."""
 
 import numpy as np
 import pytest

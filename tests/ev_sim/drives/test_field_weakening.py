@@ -91,7 +91,7 @@ def test_within_the_envelope_current_and_voltage_keep_their_limits():
 
 
 def test_phase_power_is_mechanical_power_and_copper_loss():
-    """Where the current is across the magnets alone, 3 U I is the apparent power: its active part is T w + k T^2."""
+    """A current across the magnets alone has the apparent power 3 U I; its active part is T w + k T^2."""
     motor = Motor(winding=Winding(inductance=1e-6), copper_loss=0.045)
     current, voltage = phase_values(motor, 200.0, VOLTAGE, 100.0)
     reactive = 1.5 * 10 * 100.0 * 1e-6 * 2.0 * current * current  # 3 w_e L I^2
@@ -103,7 +103,7 @@ def test_phase_power_is_mechanical_power_and_copper_loss():
 
 @pytest.mark.parametrize("asked", [360.0, -360.0])
 def test_an_inverter_keeps_to_the_envelope_of_its_dc_link(asked):
-    """At 329.6 V and 7000 rpm, when the lag is over; its DC current is mechanical power and losses over the voltage."""
+    """Torque is the envelope at 329.6 V and 7000 rpm behind the lag; DC current is all power over the voltage."""
     p, s, speed = InverterParameters(), Inverter(), 733.0
     s.state, s.dc_link.voltage = float(OPERATION_ENABLED), 0.5 * VOLTAGE
     s.command.mode, s.command.torque, s.command.torque_limit, s.command.speed = float(TORQUE_MODE), asked, 360.0, 1e3

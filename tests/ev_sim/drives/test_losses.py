@@ -35,7 +35,7 @@ def test_torque_at_standstill_costs_what_the_lowest_speed_of_the_map_does():
 
 
 def test_a_row_at_standstill_is_not_looked_at():
-    """At speed zero every efficiency means the same power, none."""
+    """Every efficiency at speed zero means the same power, none."""
     speeds = np.array([0.0, *SPEEDS])
     for row in (0.01, 1.0):
         efficiency = np.concatenate((np.full(2, row), EFFICIENCY))

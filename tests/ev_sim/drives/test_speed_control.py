@@ -13,28 +13,30 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.optional_signals import WheelSpeedCommand
 from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_sim.drives.synchronous_motor import speed_control, speed_control_without_windup
+from ev_sim.drives.synchronous_motor import SpeedControl, speed_control, speed_control_without_windup
 
 STRAIGHT = SteeringColumnState(0.0, 0.0, 0.0, 0.0, 0.0)
 PERIOD = 0.01
 CAR = Vehicle(gear_ratio=7.4)
+CONTROL = SpeedControl(gain=3.0, integral_time=0.1, period=1e-3, least=0.0, most=10.0)
+BOTH_WAYS = CONTROL._replace(least=-10.0)
 OVERSHOOTS = (("ice", 0.0, 100.0, 20.0, 0.02), ("dry_asphalt", 0.05, 300.0, 10.0, 0.1))  # the PI itself makes 0.07
 
 
 def test_proportional_and_integral_part_by_hand():
     """K e = 6 and K e h/T = 0.06 on top of an integral of 1 N m; only the integral stays within the torques."""
-    assert speed_control(3.0, 0.1, 1.0, 2.0, 1e-3, 0.0, 10.0) == pytest.approx((7.06, 1.06), rel=1e-12)
-    assert speed_control(3.0, 0.1, 9.99, 2.0, 1e-3, 0.0, 10.0) == pytest.approx((16.0, 10.0), rel=1e-12)
-    assert speed_control(3.0, 0.1, 0.01, -2.0, 1e-3, 0.0, 10.0) == pytest.approx((-6.0, 0.0), rel=1e-12)
+    assert speed_control(CONTROL, 1.0, 2.0) == pytest.approx((7.06, 1.06), rel=1e-12)
+    assert speed_control(CONTROL, 9.99, 2.0) == pytest.approx((16.0, 10.0), rel=1e-12)
+    assert speed_control(CONTROL, 0.01, -2.0) == pytest.approx((-6.0, 0.0), rel=1e-12)
 
 
 @pytest.mark.parametrize(("error", "limit"), [(2.0, 10.0), (-2.0, -10.0)])
 def test_the_integral_holds_where_the_torque_is_limited(error, limit):
-    """At 9 N m, 15 asked of 10: the integral stays, whatever the sign, and goes back freely as the error turns."""
+    """The integral stays at 9 N m where 15 are asked of 10, either way, and goes back as the error turns."""
     integral = 0.9 * limit
-    asked, held = speed_control_without_windup(3.0, 0.1, integral, error, 1e-3, -10.0, 10.0)
+    asked, held = speed_control_without_windup(BOTH_WAYS, integral, error)
     assert (asked, held) == (3.0 * error + integral, integral)
-    assert abs(speed_control_without_windup(3.0, 0.1, integral, -error, 1e-3, -10.0, 10.0)[1]) < abs(integral)
+    assert abs(speed_control_without_windup(BOTH_WAYS, integral, -error)[1]) < abs(integral)
 
 
 def plant(method: str, **values) -> CompiledObject:
@@ -48,7 +50,7 @@ def signals(car: CompiledObject) -> dict[type, tuple]:
 
 @pytest.mark.slow
 def test_drive_reaches_its_set_point_within_the_torque_and_never_pulls_back():
-    """Up a hill of 5 % with at most 300 N m a wheel: 10 rad/s within 0.5 % after 10 s; then 5 rad/s, no torque at once.
+    """A hill of 5 % with at most 300 N m a wheel: 10 rad/s within 0.5 % after 10 s; then 5 rad/s, no torque at once.
 
     The speed control of these gains has a damping ratio of 0.6 with the car, 2 rad/s of natural frequency: 10 s are
     many times its settling.
@@ -70,7 +72,7 @@ def test_drive_reaches_its_set_point_within_the_torque_and_never_pulls_back():
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 @pytest.mark.parametrize(("surface", "grade", "torque", "goal", "beyond"), OVERSHOOTS)
 def test_an_integral_that_waited_at_the_limit_does_not_overshoot(surface, grade, torque, goal, beyond, sense):
-    """From rest; with windup it was 0.27 rad/s on ice and 0.67 on the hill, where the torque is the limit for 4 s."""
+    """The overshoot from rest is that of the PI itself; windup would make 0.27 rad/s on ice and 0.67 on the hill."""
     road = {"road.left": (surface,), "road.right": (surface,), "road.grade": (sense * grade,)}
     car = plant("planar_speed_mode", **road)
     command = WheelTorqueCommand(Wheels.front(sense * torque, sense * torque), NO_WHEELS)
@@ -83,7 +85,7 @@ def test_an_integral_that_waited_at_the_limit_does_not_overshoot(surface, grade,
 
 
 def test_a_set_point_that_comes_into_reach_takes_over_without_a_jump():
-    """At its own speed a wheel keeps the torque that it had; the integral had followed it."""
+    """A wheel at its own speed keeps its torque, because the integral follows it beyond reach."""
     car = plant("planar_speed_mode")
     command = WheelTorqueCommand(Wheels.front(250.0, 250.0), NO_WHEELS)
     for _ in range(50):

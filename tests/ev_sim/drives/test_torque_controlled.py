@@ -1,4 +1,4 @@
-"""The motor whose inverter controls its torque: its limits."""
+"""Limits of the motor with an inverter that controls its torque."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a driver does in each window of a cycle."""
+"""Windows of a cycle, and the mode of the driver in each."""
 
 from __future__ import annotations
 

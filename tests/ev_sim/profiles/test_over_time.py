@@ -27,7 +27,7 @@ def test_values_are_those_one_by_one(interpolation, points, times):
 
 @given(points=points, times=times, mode=st.lists(st.sampled_from(MODES), min_size=6, max_size=6), windows=st.booleans())
 def test_modes_are_those_one_by_one(points, times, mode, windows):
-    """With windows, which begin at the points here, and without."""
+    """Both agree with windows, which begin at the points here, and without."""
     cycle = profile_of(*points, "linear")
     begin = tuple(t + 50.0 for t in cycle.time) if windows else ()
     modes = cycle_modes(CycleModesParameters(begin, tuple(mode[: len(begin)])), cycle)

@@ -75,7 +75,7 @@ def test_in_a_lane_change_little_sideslip_is_left():
 
 @pytest.mark.parametrize("speed", [8.0, -5.0, -8.0])
 def test_zero_sideslip_holds_forwards_and_in_reverse(speed):
-    """In a steady bend the lateral velocity is below a twentieth of that of the rear axle, b r."""
+    """The lateral velocity in a steady bend is below a twentieth of that of the rear axle, b r."""
     slow = (
         ("plant", "initial_speed", speed),
         ("driver", "speed_profile.speed", [speed]),
@@ -91,7 +91,7 @@ def test_zero_sideslip_holds_forwards_and_in_reverse(speed):
 
 
 def test_wheels_are_turned_by_the_side_force_and_the_motor_works_against_it():
-    """With straight wheels only the servo's error is left, below a milliradian; it takes watts, not kilowatts."""
+    """Straight wheels have the servo's error alone, below a milliradian; it takes watts, not kilowatts."""
     channels = driven("straight").channels
     assert 1e-5 < np.abs(channels["rear_steering.state.angle"]).max() < 1e-3
     assert 0.1 < channels["rear_steering.state.power"].max() < 100.0

@@ -104,7 +104,7 @@ def test_slip_vector_stays_on_the_friction_circle_and_uncoupled_does_not():
 
 
 def test_carcass_holds_at_rest_and_reaches_the_curve_at_speed():
-    """At V = 0 the force of the spring stays; at speed the steady force is secant times slip."""
+    """The force of the spring stays at V = 0; at speed the steady force is secant times slip."""
     force, rate = force_and_rate(0.002, 0.0, 1e-9, 60e3, 350e3, 3500.0)
     assert force == pytest.approx(700.0)
     assert abs(rate) < 1e-10
@@ -129,7 +129,7 @@ def test_relaxation_length():
 
 @pytest.mark.parametrize("curve", SIMPLE)
 def test_peak_is_the_highest_of_all_points_of_the_grid(curve):
-    """As a search through all 10001 of them finds it, on every surface."""
+    """A search through all 10001 of them finds the same, on every surface."""
     for surface in SURFACES:
         c = on_road(curve, surface)
         use = [friction(FRICTION_CURVES.index(curve), n * 1e-4, c) for n in range(10001)]

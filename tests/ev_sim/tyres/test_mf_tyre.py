@@ -17,12 +17,13 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.surfaces import SURFACES, curve_on_road, tyre_on_road
 from ev_sim.tyres.contact_patch import weighted
 from ev_sim.tyres.curve import magic_formula
-from ev_sim.tyres.mf_tyre import at_load, cornering_stiffness, forces, is_plain
+from ev_sim.tyres.mf_tyre import MfTyre, at_load, cornering_stiffness, forces, is_plain
 from ev_study.measured.magic_formula import Points, lateral, longitudinal
 
 FILE = "tyres/pacejka_2006_205_60r15.tir"
 NUMBERS = read_tyre("vehicle.tyre.front_file", FILE)
 TYRES = mf_tyres(NUMBERS, NUMBERS)
+FRONT_LEFT = MfTyre(TYRES, 0, True)
 FRONT = {name: getattr(TYRES, name)[0] for name in MF_NAMES}
 DRY = tyre_on_road(Tyre(curve="mf_tyre", combined="weighted", front_mf=NUMBERS, rear_mf=NUMBERS), "dry_asphalt")
 ENTRIES = {name.upper(): repr(value) for name, value in zip(MF_NAMES, NUMBERS, strict=True)} | {"FITTYP": "61"}
@@ -33,12 +34,13 @@ with (Path(__file__).parent / "mf_tyre_forces.csv").open() as file:
 
 def forces_at(tyres, load, slip_ratio, slip_angle, plain):
     """Sizes of both forces [N] of the front left tyre at signed slips."""
-    loaded = at_load(tyres, 0, load, 1.0, 1.0, plain)
-    return forces(tyres, 0, loaded, abs(slip_ratio), math.tan(slip_angle), math.copysign(1.0, slip_ratio), plain)
+    tyre = MfTyre(tyres, 0, plain)
+    loaded = at_load(tyre, load, 1.0, 1.0)
+    return forces(tyre, loaded, abs(slip_ratio), math.tan(slip_angle), math.copysign(1.0, slip_ratio))
 
 
 def test_forces_are_those_of_an_independent_implementation():
-    """To 1e-12 of each, by the short formula and by the full one (measured 2.8e-15)."""
+    """The forces agree to 1e-12 of each, by the short formula and by the full one (measured 2.8e-15)."""
     for row in REFERENCE:
         expected = abs(row["longitudinal_force"]), abs(row["side_force"])
         for plain in (True, False):
@@ -83,8 +85,8 @@ def test_plant_slides_at_the_slips_of_the_formula():
     """Slip velocities over the transport velocity, as the plant has them, give F of kappa and tan(alpha)."""
     along, slip_x, slip_y = 20.0, 0.8, -1.1
     rim = along + slip_x
-    loaded = at_load(TYRES, 0, 3500.0, 1.0, 1.0, True)
-    of_x, of_y = weighted(TYRES, 0, loaded, (slip_x, slip_y), along, rim, (0.0, 0.0), True)
+    loaded = at_load(FRONT_LEFT, 3500.0, 1.0, 1.0)
+    of_x, of_y = weighted(FRONT_LEFT, loaded, (slip_x, slip_y), along, rim, (0.0, 0.0))
     expected = forces_at(TYRES, 3500.0, slip_x / along, math.atan(-slip_y / along), True)
     assert (of_x * slip_x / rim, -of_y * slip_y / rim) == pytest.approx(expected, rel=1e-12)
     assert loaded.peak_x > expected[0] and loaded.peak_y > expected[1]
@@ -113,8 +115,8 @@ def test_shown_curve_is_the_pure_longitudinal_one_at_nominal_load():
     tyre = Tyre(curve="mf_tyre", combined="weighted", front_mf=NUMBERS, rear_mf=NUMBERS)
     kind, c = curve_on_road(tyre, "wet_asphalt_1")
     assert kind == "magic_formula"
-    loaded = at_load(TYRES, 0, FRONT["fnomin"], tyre_on_road(tyre, "wet_asphalt_1").c0, 1.0, True)
-    along, _ = forces(TYRES, 0, loaded, 0.07, 1e-6, 1.0, True)
+    loaded = at_load(FRONT_LEFT, FRONT["fnomin"], tyre_on_road(tyre, "wet_asphalt_1").c0, 1.0)
+    along, _ = forces(FRONT_LEFT, loaded, 0.07, 1e-6, 1.0)
     assert magic_formula(0.07, *c) * FRONT["fnomin"] == pytest.approx(along, rel=1e-9)
 
 
@@ -135,7 +137,7 @@ def test_a_file_of_another_kind_is_refused(changed, words):
 
 
 def test_a_coefficient_that_is_there_twice_is_refused(tmp_path):
-    """With two values, in one section or in two; the same value twice is one, and MASS of units and inertia is none."""
+    """Two values in one section or two are refused; one value twice is not, nor is MASS of units and inertia."""
     lines = [f"{key} = {value} $ comment" for key, value in ENTRIES.items()]
     file = tmp_path / "one.tir"
     file.write_text("\n".join(["[UNITS]", "MASS = 'kg'", "[INERTIA]", "MASS = 9.3", *lines, lines[3]]))
@@ -147,7 +149,7 @@ def test_a_coefficient_that_is_there_twice_is_refused(tmp_path):
 
 @pytest.mark.parametrize("pressure", [150e3, 250e3])
 def test_another_pressure_than_the_nominal_one_changes_stiffness_and_friction(pressure):
-    """By the factors of the formula with all its terms (eqs 4.E13 to 4.E25), which rig data are fitted with."""
+    """The factors are those of the formula with all its terms (eqs 4.E13 to 4.E25), to which rig data are fitted."""
     by_pressure = dict(zip([f"PP{a}{n}" for a in "XY" for n in range(1, 5)], np.linspace(-0.3, 0.4, 8), strict=True))
     entries = ENTRIES | {name: repr(float(v)) for name, v in by_pressure.items()} | {"NOMPRES": "200000"}
     at_nominal = mf_numbers(entries | {"INFLPRES": "200000"})

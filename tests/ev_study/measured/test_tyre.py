@@ -12,7 +12,7 @@ from scipy.io import savemat
 from ev_core.vehicle.files import read_tyre
 from ev_core.vehicle.tyre import MF_NAMES, mf_tyres
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.tyres.mf_tyre import at_load, forces, is_plain
+from ev_sim.tyres.mf_tyre import MfTyre, at_load, forces, is_plain
 from ev_stack.commands.run_scenario import main
 from ev_study.measured.magic_formula import Points, combined_lateral, combined_longitudinal
 from ev_study.measured.rig import read_rig
@@ -45,8 +45,9 @@ def test_the_whole_formula_is_that_of_the_plant_where_the_plant_has_it():
     along, across = combined_longitudinal(coefficients(), at), combined_lateral(coefficients(), at)
     tyres = mf_tyres(NUMBERS, NUMBERS)
     for n in range(40):
-        loaded = at_load(tyres, 0, float(load[n]), 1.0, 1.0, is_plain(tyres))
-        ours = forces(tyres, 0, loaded, float(slip[n]), float(np.tan(angle[n])), 1.0, is_plain(tyres))
+        tyre = MfTyre(tyres, 0, is_plain(tyres))
+        loaded = at_load(tyre, float(load[n]), 1.0, 1.0)
+        ours = forces(tyre, loaded, float(slip[n]), float(np.tan(angle[n])), 1.0)
         assert (along[n], across[n]) == pytest.approx(ours, rel=1e-9)
 
 

@@ -149,10 +149,9 @@ def _asked(p: InverterParameters, s: Inverter, speed: float, period: float, most
     """The torque [N m] that the set-point asks for, forwards positive."""
     sense = -1.0 if s.direction != 0.0 else 1.0
     if int(s.command.mode) == frames.SPEED_MODE and p.offers_speed_mode != 0.0:
-        error, before = sense * s.command.speed - speed, s.speed_integral
-        asked, s.speed_integral = synchronous_motor.speed_control(
-            p.speed_gain, p.speed_integral_time, before, error, period, -most, most
-        )
+        error = sense * s.command.speed - speed
+        control = synchronous_motor.SpeedControl(p.speed_gain, p.speed_integral_time, period, -most, most)
+        asked, s.speed_integral = synchronous_motor.speed_control(control, s.speed_integral, error)
         return asked
     s.speed_integral = 0.0  # what it held would be a jolt when speed mode comes again
     if int(s.command.mode) != frames.TORQUE_MODE:

@@ -1,1 +1,1 @@
-"""Closed courses from files, the line of least curvature on them, and the speed that a car can hold along it."""
+"""Closed courses, the line of least curvature on them, and the speed that a car can hold."""

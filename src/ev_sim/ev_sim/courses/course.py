@@ -1,4 +1,4 @@
-"""A closed course as a driver has it: the middle of its road, how wide it is, and how often it is driven."""
+"""A closed course: the middle of its road, its width, and the number of laps."""
 
 from __future__ import annotations
 
@@ -28,27 +28,43 @@ _TURNS = [2.0 * math.pi * n / _CHORDS for n in range(_CHORDS)]
 
 @dataclass(frozen=True, slots=True)
 class CourseParameters:
-    """A closed course in odom; it begins and ends with its first point, where the line across it times the laps.
+    """A closed course in odom, from its first point on.
 
-    The course of a file is placed so that this point is the origin and the course leads along x there.
+    The line across the first point times the laps. The course of a file is placed so that this
+    point is the origin and the course leads along x there.
     """
 
     file: str = setting(
         "",
-        about="CSV file with the columns x_m, y_m of a line along the course and left_m, right_m from it to the edges "
+        about="CSV file with the columns x_m, y_m of a line along the course and left_m, right_m "
+        "from it to the edges "
         "(or w_tr_left_m, w_tr_right_m), instead of x, y and width; empty for none",
     )
     x: tuple[float, ...] = setting(
-        tuple(_RADIUS * sin(turn) for turn in _TURNS), unit="m", low=-1e5, high=1e5, about="middle of the road"
+        tuple(_RADIUS * sin(turn) for turn in _TURNS),
+        unit="m",
+        low=-1e5,
+        high=1e5,
+        about="middle of the road",
     )
     y: tuple[float, ...] = setting(
         tuple(_RADIUS * (1.0 - cos(turn)) for turn in _TURNS),
-        unit="m", low=-1e5, high=1e5, about="middle of the road", lateral=True,
-    )  # fmt: skip
-    width: tuple[float, ...] = setting((8.0,) * _CHORDS, unit="m", low=1.0, high=100.0, about="of the road there")
+        unit="m",
+        low=-1e5,
+        high=1e5,
+        about="middle of the road",
+        lateral=True,
+    )
+    width: tuple[float, ...] = setting(
+        (8.0,) * _CHORDS, unit="m", low=1.0, high=100.0, about="of the road there"
+    )
     laps: int = setting(1, unit="1", low=1, high=100, about="after which the driver stops")
     clearance: float = parameter(
-        0.4, unit="m", low=0.0, high=10.0, about="that the racing line leaves between the outer wheel and the edge"
+        0.4,
+        unit="m",
+        low=0.0,
+        high=10.0,
+        about="that the racing line leaves between the outer wheel and the edge",
     )
 
     def __post_init__(self) -> None:
@@ -59,17 +75,23 @@ class CourseParameters:
         for number, (one, other) in enumerate(pairwise([*points, points[0]])):
             distance = math.dist(one, other)
             if not _NEAREST <= distance <= _FARTHEST:
-                after = f"{number + 2}" if number + 1 < len(points) else "the first one, with which it closes,"
+                after = (
+                    f"{number + 2}"
+                    if number + 1 < len(points)
+                    else "the first one, with which it closes,"
+                )
                 raise ParameterError(
-                    f"point {after} is {distance:.3g} m behind the one before, expected {_NEAREST:g} to {_FARTHEST:g} m"
+                    f"point {after} is {distance:.3g} m behind the one before, expected "
+                    f"{_NEAREST:g} to {_FARTHEST:g} m"
                 )
         _refuse_folds(self)
 
 
 def with_course_from_file(parameters: CourseParameters) -> CourseParameters:
-    """The same course with `x`, `y` and `width` from `file`, placed in odom, in place of the file's name.
+    """The course with `x`, `y` and `width` from `file` in place of the file's name, placed in odom.
 
-    Raises ParameterError, in one line that names the file, if it cannot be read (`read_csv`) or holds no course.
+    Raises ParameterError, in one line that names the file, if it cannot be read (`read_csv`) or
+    holds no course.
     """
 
     def course(*columns: tuple[float, ...]) -> CourseParameters:
@@ -79,18 +101,28 @@ def with_course_from_file(parameters: CourseParameters) -> CourseParameters:
         _refuse_number(len(columns[0]))
         for number, widths in enumerate(zip(*columns[2:], strict=True)):
             if min(widths) < 0.0:
-                raise ParameterError(f"point {number + 1}: a width of {min(widths):g} m is refused, expected 0 or more")
+                raise ParameterError(
+                    f"point {number + 1}: a width of {min(widths):g} m is refused, expected 0 or "
+                    f"more"
+                )
         with np.errstate(all="ignore"):  # what overflows is out of range
             placed = _placed(*columns)
         return build(CourseParameters, {**flatten(parameters), "file": "", **placed})
 
-    return read_csv("course.file", parameters.file, _COLUMNS, course) if parameters.file else parameters
+    return (
+        read_csv("course.file", parameters.file, _COLUMNS, course)
+        if parameters.file
+        else parameters
+    )
 
 
 def _placed(
     x: tuple[float, ...], y: tuple[float, ...], left: tuple[float, ...], right: tuple[float, ...]
 ) -> dict[str, tuple[float, ...]]:
-    """The middle of the road from a line along it, moved and turned so that it begins at the origin, along x."""
+    """Move the middle of a road to begin at the origin, along x.
+
+    It is found from a line along the road and the widths on both sides.
+    """
     line = np.array((x, y)).T
     across = normals(line)
     middle = line + across * (0.5 * (np.array(left) - np.array(right)))[:, None]
@@ -114,7 +146,10 @@ def lengths_to_next(points: np.ndarray) -> np.ndarray:
 
 
 def normals(points: np.ndarray) -> np.ndarray:
-    """Unit vectors to the left of a closed line (n, 2) at its points, across the chord of their neighbours, (n, 2)."""
+    """Unit vectors to the left of a closed line (n, 2) at its points, (n, 2).
+
+    Each is across the chord of the neighbours.
+    """
     along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
     length = np.sqrt(along[:, 0] * along[:, 0] + along[:, 1] * along[:, 1])
     return np.stack((-along[:, 1], along[:, 0]), axis=1) / np.maximum(length, 1e-9)[:, None]
@@ -128,13 +163,14 @@ def edges(course: CourseParameters) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _refuse_folds(course: CourseParameters) -> None:
-    """ParameterError where the road is wider than its bend has room for, so that an edge would run backwards."""
+    """Refuse a road wider than its bend has room for: its edge would run backwards."""
     leg = np.roll(middle_of(course), -1, axis=0) - middle_of(course)
     for side, edge in zip(("left", "right"), edges(course), strict=True):
         on = np.roll(edge, -1, axis=0) - edge
         if (folds := np.flatnonzero((on * leg).sum(axis=1) <= 0.0)).size:
             raise ParameterError(
-                f"point {folds[0] + 1}: the {side} edge runs backwards, the road is wider than its bend has room for"
+                f"point {folds[0] + 1}: the {side} edge runs backwards, the road is wider than its "
+                f"bend has room for"
             )
 
 

@@ -1,9 +1,10 @@
 """The line of least curvature within the edges of a course.
 
-Braghin, Cheli, Melzi and Sabbioni (2008), Race driver model, Computers & Structures 86, 1503-1516: offsets from the
-middle of the road that make the sum of squared second derivatives of the line least, a quadratic programme with bounds.
-It is solved here by a primal-dual interior-point method (Nocedal & Wright, Numerical Optimization, 2006, chapter 16.6)
-in sums of one order, because a library's solver rounds differently by processor, and signals would with it.
+Braghin, Cheli, Melzi and Sabbioni (2008), Race driver model, Computers & Structures 86, 1503-1516:
+offsets from the middle of the road that make the sum of squared second derivatives of the line
+least, a quadratic programme with bounds. It is solved here by a primal-dual interior-point method
+(Nocedal & Wright, Numerical Optimization, 2006, chapter 16.6) in sums of one order, because a
+library's solver rounds differently by processor, and signals would with it.
 """
 
 from __future__ import annotations
@@ -20,13 +21,16 @@ from ev_sim.courses.course import CourseParameters, lengths_to_next, middle_of, 
 _ITERATIONS = 60
 _SIGMA, _BACK = 0.1, 0.99  # centring, and share of the way to the bounds
 _GAP = 1e-10  # of the curvatures: with it offsets are exact to some micrometres
-_BAND = 4  # of the matrix of neighbours and their neighbours, both ends of the course folded together
+# Of the matrix of neighbours and their neighbours, both ends of the course folded together.
+_BAND = 4
 
 
 class RacingLine(NamedTuple):
-    """A closed line: points (n, 2) [m], curvature there, left positive (n,) [1/m], and room to both edges (n,) [m].
+    """A closed line by its points (n, 2) [m].
 
-    `offset` is how far each point lies left of the middle of the road, `step` the length to the next one, (n,) [m].
+    It has the curvature there, left positive (n,) [1/m], and the room to both edges (n,) [m].
+    `offset` is how far each point lies left of the middle of the road, `step` the length to the
+    next one, (n,) [m].
     """
 
     points: np.ndarray
@@ -39,34 +43,46 @@ class RacingLine(NamedTuple):
 
 @lru_cache(32)
 def racing_line(course: CourseParameters, track: float) -> RacingLine:
-    """The line of a car with a track [m]; ParameterError where the road is narrower than the car and its clearance."""
+    """The line of a car with a track [m].
+
+    ParameterError where the road is narrower than the car and its clearance.
+    """
     middle, half = middle_of(course), 0.5 * np.array(course.width)
     bound = half - (0.5 * track + course.clearance)
     if (narrow := np.flatnonzero(bound <= 0.0)).size:
         least = track + 2.0 * course.clearance
         raise ParameterError(
-            f"course: the road is {2.0 * half[narrow[0]]:.3g} m wide at point {narrow[0] + 1}, expected more than "
+            f"course: the road is {2.0 * half[narrow[0]]:.3g} m wide at point {narrow[0] + 1}, "
+            f"expected more than "
             f"{least:.3g} m: track, and course.clearance on both sides"
         )
     across = normals(middle)
     offset = _least_curvature(middle, across, bound)
     points = middle + across * offset[:, None]
-    return RacingLine(points, curvatures(points), half - offset, half + offset, offset, lengths_to_next(points))
+    return RacingLine(
+        points, curvatures(points), half - offset, half + offset, offset, lengths_to_next(points)
+    )
 
 
 def curvatures(points: np.ndarray) -> np.ndarray:
-    """Curvature of a closed line (n, 2) at its points, of the circle through each and its neighbours, (n,) [1/m]."""
+    """Curvature of a closed line (n, 2) at its points, (n,) [1/m].
+
+    It is that of the circle through each point and its neighbours.
+    """
     before, behind = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
     area = before[:, 0] * behind[:, 1] - before[:, 1] * behind[:, 0]
     both = before + behind
-    one, other, chord = (np.sqrt(leg[:, 0] * leg[:, 0] + leg[:, 1] * leg[:, 1]) for leg in (before, behind, both))
+    one, other, chord = (
+        np.sqrt(leg[:, 0] * leg[:, 0] + leg[:, 1] * leg[:, 1]) for leg in (before, behind, both)
+    )
     return 2.0 * area / np.maximum(one * other * chord, 1e-9)
 
 
 def second_differences(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Weights (n,) of the point before, the point itself and the one behind in its second derivative by length.
+    """Weights (n,) of three points in the second derivative by length.
 
-    With the root of the length that belongs to the point, so that sums of squares are integrals.
+    The points are the one before, the point itself and the one behind. With the root of the length
+    that belongs to the point, so that sums of squares are integrals.
     """
     behind = lengths_to_next(points)
     before = np.roll(behind, 1)
@@ -84,7 +100,8 @@ def _least_curvature(middle: np.ndarray, across: np.ndarray, bound: np.ndarray) 
     bent = bent + behind[:, None] * np.roll(middle, -1, axis=0)
     pull = np.roll(behind[:, None] * bent, 1, axis=0) + np.roll(before[:, None] * bent, -1, axis=0)
     gradient = _dot(across, pull + at[:, None] * bent)
-    a, low, high = np.zeros_like(bound), np.full_like(bound, 0.1), np.full_like(bound, 0.1)  # multipliers
+    a = np.zeros_like(bound)
+    low, high = np.full_like(bound, 0.1), np.full_like(bound, 0.1)  # multipliers of the bounds
     for _ in range(_ITERATIONS):
         to_low, to_high = a + bound, bound - a
         gap = (math.fsum(to_low * low) + math.fsum(to_high * high)) / (2 * len(a))
@@ -99,7 +116,9 @@ def _least_curvature(middle: np.ndarray, across: np.ndarray, bound: np.ndarray) 
         low_step, high_step = wanted_low - low / to_low * step, wanted_high + high / to_high * step
         share = _BACK * min(_most(to_low, step), _most(to_high, -step), 1.0 / _BACK)
         dual = _BACK * min(_most(low, low_step), _most(high, high_step), 1.0 / _BACK)
-        a, low, high = a + share * step, low + dual * low_step, high + dual * high_step
+        a = a + share * step
+        low = low + dual * low_step
+        high = high + dual * high_step
     raise ParameterError("course: no line of least curvature was found, expected a smoother course")
 
 
@@ -113,8 +132,13 @@ def _most(value: np.ndarray, step: np.ndarray) -> float:
     return float((-value[falls] / step[falls]).min(initial=1e9))
 
 
-def _solved(own: np.ndarray, next_one: np.ndarray, second: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """The solution of the cyclic system with these entries beside the diagonal, by L D L' of the folded order."""
+def _solved(
+    own: np.ndarray, next_one: np.ndarray, second: np.ndarray, right: np.ndarray
+) -> np.ndarray:
+    """Solve the cyclic system with these entries beside the diagonal.
+
+    L D L' of the folded order.
+    """
     n = len(own)
     order = [m for pair in zip(range(n), range(n - 1, -1, -1), strict=True) for m in pair][:n]
     place = {point: where for where, point in enumerate(order)}

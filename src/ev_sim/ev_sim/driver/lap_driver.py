@@ -1,4 +1,12 @@
-"""A driver at the limit on a closed course: on its racing line, as fast as tyres and motors of his car allow."""
+"""A driver at the limit on a closed course.
+
+He keeps to its racing line, as fast as tyres and motors of his car allow.
+
+How it works: line and speed are worked out before the run, and the laps are unrolled into one path
+with a run-up and a run-out. In the run the hands follow the path by preview. The feet follow the
+speed of a place so far ahead that the torque of their control is the one which the acceleration
+along the line takes.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +19,8 @@ import numpy as np
 
 from ev_core.law import (
     BodyPose,
-    BodyVelocity,
     Car,
     DriverCommand,
-    Instant,
-    SteeringColumnState,
     Vehicle,
     compilable,
     entry,
@@ -29,9 +34,9 @@ from ev_sim.courses.course import CourseParameters, with_course_from_file
 from ev_sim.courses.racing_line import racing_line
 from ev_sim.courses.speed_profile import LimitParameters, limits, speed_profile
 from ev_sim.driver import path as paths
-from ev_sim.driver.followers import AngleControlState, HandParameters, turn_to_angle
+from ev_sim.driver.followers import AngleControlState, HandParameters, OnPath, turn_to_angle
 from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, follow_speed
-from ev_sim.driver.preview_driver import Preview, PreviewState, look_ahead, preview_of
+from ev_sim.driver.preview_driver import Moving, Preview, PreviewState, look_ahead, preview_of
 from ev_sim.driver.preview_gains import PreviewParameters
 
 _RUN_UP, _RUN_OUT = 30.0, 150.0  # [m] of the course, before the first lap and behind the last one
@@ -53,20 +58,23 @@ class LapDriverParameters:
 
 @dataclass(slots=True)
 class LapDriverState:
-    """What feet, eyes and hands remember, and when the car left the course."""
+    """Memory of feet, eyes and hands, and the time when the car left the course."""
 
     speed_control: SpeedControlState = part(SpeedControlState)
     preview: PreviewState = part(PreviewState)
     hands: AngleControlState = part(AngleControlState)
-    has_left: float = entry(unit="", about="whether an outer wheel has been beyond an edge of the course")
+    has_left: float = entry(
+        unit="", about="whether an outer wheel has been beyond an edge of the course"
+    )
     left_at: float = entry(unit="s", about="when it first was")
 
 
 class Laps(NamedTuple):
-    """The line that is driven, unrolled, and at each of its points squared speed [m^2/s^2], curvature [1/m] and room.
+    """The line that is driven, unrolled.
 
-    `left` and `right` are how far the centre of mass may be from it [m]. `ahead` is the time by which the wanted speed
-    is that of a place farther on, so that the torque of its control is m r a [s].
+    Each of its points has squared speed [m^2/s^2], curvature [1/m] and room. `left` and `right` are
+    how far the centre of mass may be from it [m]. `ahead` is the time by which the wanted speed is
+    that of a place farther on, so that the torque of its control is m r a [s].
     """
 
     path: paths.Path
@@ -82,12 +90,14 @@ class Laps(NamedTuple):
 
 
 def laps_of(p: LapDriverParameters, vehicle: Vehicle, period: float) -> Laps:
-    """What the driver knows; ParameterError if the course is too narrow for his car."""
+    """Knowledge of line and car; ParameterError if the course is too narrow for the car."""
     track = max(vehicle.front_track, vehicle.rear_track)
     line, ellipse = racing_line(p.course, track), limits(p.limit, vehicle)
     places = _unrolled(line.step, p.course.laps)
     steps = [float(line.step[place]) for place in places[:-1]]
-    at = {name: tuple(getattr(line, name)[places].tolist()) for name in ("curvature", "left", "right")}
+    at = {
+        name: tuple(getattr(line, name)[places].tolist()) for name in ("curvature", "left", "right")
+    }
     gain = p.speed_control.proportional_gain
     return Laps(
         _path(line.points[places], steps),
@@ -102,15 +112,15 @@ def laps_of(p: LapDriverParameters, vehicle: Vehicle, period: float) -> Laps:
 
 
 def _unrolled(step: np.ndarray, laps: int) -> np.ndarray:
-    """Places of the points of a closed line from before its first one on, its laps, and on behind the last."""
-    n, before, behind, length = len(step), 0, laps * len(step), 0.0
-    run_up = min(
-        _RUN_UP, 0.25 * float(step.sum())
-    )  # from farther back a car at the line of a small course is beside it
+    """Places of the points of a closed line: a run-up, the laps, and a run-out."""
+    n, before = len(step), 0
+    # From farther back a car at the line of a small course is beside it.
+    run_up = min(_RUN_UP, 0.25 * float(step.sum()))
+    length = 0.0
     while length < run_up:
         before -= 1
         length += step[before]
-    length = 0.0
+    behind, length = laps * n, 0.0
     while length < _RUN_OUT:
         length += step[behind % n]
         behind += 1
@@ -127,7 +137,10 @@ def _path(points: np.ndarray, steps: list[float]) -> paths.Path:
 
 @compilable
 def speed_ahead(c: Laps, distance: float, leg: int) -> float:
-    """The speed of the profile [m/s] at a distance along the path [m], searched from a leg near by, without `scale`."""
+    """Speed of the profile [m/s] at a distance along the path [m], without `scale`.
+
+    It is searched from a leg near by.
+    """
     path, last = c.path, len(c.path.x) - 1
     while distance > path.start[leg] + path.length[leg] and leg < last:
         leg += 1
@@ -137,17 +150,28 @@ def speed_ahead(c: Laps, distance: float, leg: int) -> float:
 
 @compilable
 def wanted_speed(p: LimitParameters, c: Laps, distance: float, leg: int, speed: float) -> float:
-    """The speed [m/s] that the feet follow: the profile, by what the bend leaves of the ellipse at this speed."""
+    """Speed [m/s] that the feet follow.
+
+    It is that of the profile, as far as the bend leaves acceleration at the present speed.
+    """
     wanted = p.scale * speed_ahead(c, distance + abs(speed) * c.ahead, leg)
     all_of_it = p.scale * p.scale
-    across = speed * speed * max(abs(c.curvature[leg]), abs(c.curvature[leg + 1])) / (all_of_it * c.lateral)
+    across = (
+        speed
+        * speed
+        * max(abs(c.curvature[leg]), abs(c.curvature[leg + 1]))
+        / (all_of_it * c.lateral)
+    )
     left = all_of_it * c.ahead * sqrt(max(1.0 - across * across, 0.0))
     return max(min(max(wanted, speed - left * c.braking), speed + left * c.driving), 0.0)
 
 
 @compilable
 def watch_edges(c: Laps, s: LapDriverState, time: float, pose: BodyPose, leg: int) -> None:
-    """Keep when the outer wheels beside the centre of mass are first beyond an edge of the course."""
+    """Keep the first time at which outer wheels are beyond an edge of the course.
+
+    They count beside the centre of mass.
+    """
     path = c.path
     share = min(max(paths.passed_on(path, leg, pose.x, pose.y) / path.length[leg], 0.0), 1.0)
     off = path.along_x[leg] * (pose.y - path.y[leg]) - path.along_y[leg] * (pose.x - path.x[leg])
@@ -163,34 +187,32 @@ def with_course(parameters: LapDriverParameters) -> LapDriverParameters:
 
 
 def notes(p: LapDriverParameters, s: LapDriverState) -> tuple[str, ...]:
-    """Whether the car has left the course."""
+    """A line about a car that has left the course."""
     return (f"the car left the course at {s.left_at:.2f} s",) if s.has_left else ()
 
 
 @method(
-    "driver", "lap", prepare=laps_of, notes=notes, load_files=with_course,
+    "driver",
+    "lap",
+    prepare=laps_of,
+    notes=notes,
+    load_files=with_course,
     mirrored=True,
-)  # fmt: skip
+)
 @compilable
 def lap(
-    p: LapDriverParameters,
-    car: Car,
-    c: Laps,
-    s: LapDriverState,
-    period: float,
-    now: Instant,
-    body: BodyVelocity,
-    pose: BodyPose,
-    column: SteeringColumnState,
+    p: LapDriverParameters, car: Car, c: Laps, s: LapDriverState, period: float, seen: OnPath
 ) -> DriverCommand:
-    """Lap a closed course at the limit, its racing line by optimal preview and its speed profile by the pedals."""
-    speed = speed_along_path(body)
-    wheels = column.angle / car.steering_ratio
-    angle = look_ahead(p.preview, c.preview, c.path, s.preview, period, pose, body, speed, wheels)
+    """Lap a closed course at the limit, its racing line by preview, its speed profile by pedals."""
+    pose, column = seen.pose, seen.column
+    speed = speed_along_path(seen.body)
+    moving = Moving(pose, seen.body, column.angle / car.steering_ratio)
+    angle = look_ahead(p.preview, c.preview, c.path, s.preview, period, moving)
     leg = int(s.preview.leg)
-    wanted = wanted_speed(p.limit, c, c.path.start[leg] + paths.passed_on(c.path, leg, pose.x, pose.y), leg, speed)
+    distance = c.path.start[leg] + paths.passed_on(c.path, leg, pose.x, pose.y)
+    wanted = wanted_speed(p.limit, c, distance, leg, speed)
     drive, brake = follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)
-    watch_edges(c, s, now.time, pose, leg)
-    return DriverCommand(
-        drive, brake, turn_to_angle(p.hands.angle_control, s.hands, period, car.steering_ratio * angle, column)
-    )
+    watch_edges(c, s, seen.now.time, pose, leg)
+    steered = car.steering_ratio * angle
+    torque = turn_to_angle(p.hands.angle_control, s.hands, period, steered, column)
+    return DriverCommand(drive, brake, torque)

@@ -1,4 +1,7 @@
-"""How far points are off a path: compiled, as bends have hundreds of legs, and called without numba."""
+"""Distances of points from a path.
+
+The code is compiled, as bends have hundreds of legs, and called without numba.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +51,7 @@ def step(legs, count, points, size):
 
 
 def distances_from(path: Path, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Distance of each of some points (n,) [m] from a path, (n,) [m]; the first and the last leg go on for ever."""
+    """Distances of points (n,) [m] from a path, (n,) [m]; its first and last leg go on for ever."""
     legs, points = np.array(path), np.array([x, y, np.empty(len(x))])
     call(DISTANCES.address(), legs.ctypes.data, legs.shape[1], points.ctypes.data, points.shape[1])
     return points[2]

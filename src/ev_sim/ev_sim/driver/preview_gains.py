@@ -1,8 +1,12 @@
-"""How firmly a driver who knows his car steers: optimal preview control of the linear single-track model.
+"""Gains of a driver who knows his car: optimal preview control of the single-track model.
 
-Sharp and Valtetsiotis (2001), Optimal preview car steering control, Vehicle System Dynamics Supplement 35, 101-117;
-Peng and Tomizuka (1993), Preview control for vehicle lateral guidance in highway automation, J. Dyn. Syst. Meas.
-Control 115.
+How it works: for each of some speeds the linear car beside a straight path is put into steps of
+POINT_STEP, and the Riccati equation gives the feedback of its state. The same matrices give the
+gain of each turn of the path ahead, because a bend is a disturbance that is known before.
+
+Sharp and Valtetsiotis (2001), Optimal preview car steering control, Vehicle System Dynamics
+Supplement 35, 101-117; Peng and Tomizuka (1993), Preview control for vehicle lateral guidance in
+highway automation, J. Dyn. Syst. Meas. Control 115.
 """
 
 from __future__ import annotations
@@ -18,56 +22,97 @@ from ev_core.law import Vehicle, parameter
 from ev_sim.understeer import axle_cornering_stiffnesses
 
 POINT_STEP = 0.05  # [s] from one point of the path that the driver looks at to the next
-STATES = ("lateral_velocity", "yaw_rate", "heading_error", "lateral_error", "wheels", "arms", "intended")
+STATES = (
+    "lateral_velocity",
+    "yaw_rate",
+    "heading_error",
+    "lateral_error",
+    "wheels",
+    "arms",
+    "intended",
+)
 ASIDE, TURNING, HEADING_ERROR, LATERAL_ERROR, ROAD_WHEELS, ARMS, INTENDED = range(len(STATES))
-# The speeds [m/s] between which gains are interpolated. Below the first the driver looks as far as at it, for at rest
-# there would be nothing ahead.
+# The speeds [m/s] between which gains are interpolated. Below the first the driver looks as far as
+# at it, for at rest there would be nothing ahead.
 GAIN_SPEEDS = (4.0, 5.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 30.0, 36.0, 43.0, 51.0, 60.0)
 _HORIZON = 200  # steps of the sum that is least: 10 s, after which the gains no longer change
-_HALVINGS = 6  # of POINT_STEP before the exponential series of _SERIES terms, which then is exact to rounding
+# Halvings of POINT_STEP before the exponential series, which then is exact to rounding, and its
+# terms.
+_HALVINGS = 6
 _SERIES = 12
 
 
 @dataclass(frozen=True, slots=True)
 class PreviewParameters:
-    """How far the driver looks, how quick he is, and what he minds."""
+    """Reach, quickness and aims of the driver."""
 
     preview_time: float = parameter(
-        2.0, unit="s", low=0.1, high=5.0, about="how far ahead the driver sees the path; rounded to points of 0.05 s",
+        2.0,
+        unit="s",
+        low=0.1,
+        high=5.0,
+        about="how far ahead the driver sees the path; rounded to points of 0.05 s",
         source="assumption; beyond 1 to 1.5 s it changes nothing (Sharp & Valtetsiotis 2001)",
-    )  # fmt: skip
+    )
     lag: float = parameter(
-        0.1, unit="s", low=0.02, high=1.0, about="first-order lag of the arms behind the intended angle, known to him",
+        0.1,
+        unit="s",
+        low=0.02,
+        high=1.0,
+        about="first-order lag of the arms behind the intended angle, known to him",
         source="assumption; 0.1 to 0.2 s are usual for drivers",
-    )  # fmt: skip
+    )
     column_lag: float = parameter(
-        0.04, unit="s", low=0.005, high=1.0,
-        about="first-order lag of the tyres' side forces behind the arms, known to him: hands and column, a period of "
+        0.04,
+        unit="s",
+        low=0.005,
+        high=1.0,
+        about="first-order lag of the tyres' side forces behind the arms, known to him: hands and "
+        "column, a period of "
         "the control, and the tyres' relaxation",
-        source="0.017 s of the default hands on the column of Shchur 2019, 0.01 s, and 0.016 s at 80 km/h",
-    )  # fmt: skip
+        source="0.017 s of the default hands on the column of Shchur 2019, 0.01 s, and 0.016 s at "
+        "80 km/h",
+    )
     lateral_error: float = parameter(
-        0.1, unit="m", low=0.001, high=10.0, about="distance from the path that he minds as much as `steering_rate`",
-    )  # fmt: skip
+        0.1,
+        unit="m",
+        low=0.001,
+        high=10.0,
+        about="distance from the path that he minds as much as `steering_rate`",
+    )
     lateral_rate: float = parameter(
-        0.1, unit="m/s", low=0.001, high=100.0, about="speed away from the path that he minds as much",
-    )  # fmt: skip
+        0.1,
+        unit="m/s",
+        low=0.001,
+        high=100.0,
+        about="speed away from the path that he minds as much",
+    )
     steering_rate: float = parameter(
-        0.1, unit="rad/s", low=0.001, high=10.0, about="rate of the intended road-wheel angle that he minds as much",
-    )  # fmt: skip
+        0.1,
+        unit="rad/s",
+        low=0.001,
+        high=10.0,
+        about="rate of the intended road-wheel angle that he minds as much",
+    )
     learning: float = parameter(
-        6.0, unit="1", low=1.0, high=1e6,
-        about="time in which he learns by how much angle and sideslip in a bend differ from those of the linear car, "
+        6.0,
+        unit="1",
+        low=1.0,
+        high=1e6,
+        about="time in which he learns by how much angle and sideslip in a bend differ from those "
+        "of the linear car, "
         "over that in which they settle: `lag`, `column_lag` and m V/(C_1 + C_2); 1e6 for never",
-    )  # fmt: skip
+    )
     learnt_angle: float = parameter(
         0.1, unit="rad", low=0.0, high=1.4, about="that he learns at most of each, either way"
     )
-    max_angle: float = parameter(0.6, unit="rad", low=0.01, high=1.4, about="largest road-wheel angle, either way")
+    max_angle: float = parameter(
+        0.6, unit="rad", low=0.01, high=1.4, about="largest road-wheel angle, either way"
+    )
 
 
 class PreviewGains(NamedTuple):
-    """Rate of the intended angle [rad/s] per state (STATES) and per turn [rad] of the path at each point ahead.
+    """Rate of the intended angle [rad/s] per state (STATES) and per turn [rad] of the path ahead.
 
     One row behind the other, forwards by GAIN_SPEEDS and then backwards; `points` ahead.
     """
@@ -79,12 +124,12 @@ class PreviewGains(NamedTuple):
 
 @lru_cache(1024)  # cars: each law and search of a board has the same draws again
 def preview_gains(p: PreviewParameters, vehicle: Vehicle) -> PreviewGains:
-    """The gains that make the sum over time of (y/lateral_error)^2 + (rate/steering_rate)^2 least on any path.
+    """Gains that make the sum of (y/lateral_error)^2 + (rate/steering_rate)^2 least on any path.
 
-    With P of the Riccati equation, K = (r + B'PB)^-1 B'PA and A_c = A - B K, a turn of the path i steps ahead has the
-    gain (r + B'PB)^-1 B' (A_c')^(i-1) P e, e the heading error: the optimum for a disturbance that is known before.
-    Behind the last point the path is taken to bend on as there, so that a circle is followed without error however
-    short the preview is.
+    With P of the Riccati equation, K = (r + B'PB)^-1 B'PA and A_c = A - B K, a turn of the path i
+    steps ahead has the gain (r + B'PB)^-1 B' (A_c')^(i-1) P e, e the heading error: the optimum for
+    a disturbance that is known before. Behind the last point the path is taken to bend on as there,
+    so that a circle is followed without error however short the preview is.
     """
     points = max(round(p.preview_time / POINT_STEP), 1)
     speed = np.array([*GAIN_SPEEDS, *(-speed for speed in GAIN_SPEEDS)])
@@ -113,10 +158,13 @@ def preview_gains(p: PreviewParameters, vehicle: Vehicle) -> PreviewGains:
     return PreviewGains(_flat(feedback), _flat(np.array(preview).T), float(points))
 
 
-def _model(p: PreviewParameters, vehicle: Vehicle, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """X' = A x + B u beside a straight path at speeds [m/s], negative in reverse: (n, 7, 7) and (n, 7, 1).
+def _model(
+    p: PreviewParameters, vehicle: Vehicle, speed: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Matrices of x' = A x + B u beside a straight path: (n, 7, 7) and (n, 7, 1).
 
-    x is STATES, u the rate of the intended road-wheel angle [rad/s]; angles are small.
+    The speeds [m/s] are negative in reverse. x is STATES, u the rate of the intended road-wheel
+    angle [rad/s]; angles are small.
     """
     rear = vehicle.centre_of_mass_to_rear_axle
     ahead, back = (axle_cornering_stiffnesses(vehicle, ahead=way) for way in (1.0, -1.0))
@@ -156,7 +204,10 @@ def _stepped(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Of matrices (n, i, k) and (n, k, j), summed in one order: a BLAS adds up by processor, and bits would differ."""
+    """Product of matrices (n, i, k) and (n, k, j), summed in one order.
+
+    A BLAS adds up by processor, and bits would differ.
+    """
     total = a[:, :, 0, None] * b[:, 0, None, :]
     for k in range(1, a.shape[2]):
         total = total + a[:, :, k, None] * b[:, k, None, :]

@@ -1,1 +1,1 @@
-"""Electric drives: a brushless DC motor, its converter and its current control, in three depths of detail."""
+"""Electric drives: a brushless DC motor, its converter and current control in three depths."""

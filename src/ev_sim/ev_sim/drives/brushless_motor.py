@@ -1,15 +1,18 @@
 """The brushless DC motor of Shchur (2019), and its averaged drive, which has no commutation.
 
-It is a star with trapezoidal EMF. The averaged drive has two phases in series on a continuously adjustable voltage:
+It is a star with trapezoidal EMF. The averaged drive has two phases in series on a continuously
+adjustable voltage:
 
     2 L i' = u - 2 R i - 2 p psi omega,    M = 2 p psi i
 
-It is what the switched drive does between two commutations, averaged over the chopping of the converter (Pillay and
-Krishnan, Modeling, simulation, and analysis of permanent-magnet motor drives, part II, IEEE Trans. Ind. Appl. 25,
-1989). The converter is lossless, takes what the motor regenerates, and sets the voltage without delay.
+It is what the switched drive does between two commutations, averaged over the chopping of the
+converter (Pillay and Krishnan, Modeling, simulation, and analysis of permanent-magnet motor drives,
+part II, IEEE Trans. Ind. Appl. 25, 1989). The converter is lossless, takes what the motor
+regenerates, and sets the voltage without delay.
 
-It holds while the bus leaves room for the current control. Beyond, where the EMF exceeds the bus voltage, the sign
-of the torque is still right, but only the switched drive knows that the phase reactance p omega L limits the current.
+It holds while the bus leaves room for the current control. Beyond, where the EMF exceeds the bus
+voltage, the sign of the torque is still right, but only the switched drive knows that the phase
+reactance p omega L limits the current.
 """
 
 from __future__ import annotations
@@ -17,7 +20,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from math import tau
-from typing import Any
+from typing import Any, NamedTuple
 
 from ev_core.law import ParameterError, compilable, entry, group, parameter, setting
 
@@ -46,7 +49,10 @@ class DriveState:
 
 @compilable
 def crossing_shape(sector: float, sector_angle: float) -> float:
-    """EMF of the off phase over that of the flats: from 1 down to -1 in even sectors, up in odd ones."""
+    """EMF of the off phase over that of the flats.
+
+    It goes from 1 down to -1 in even sectors, up in odd ones.
+    """
     falling = 1.0 - 2.0 * sector_angle / SECTOR
     return falling if int(sector) % 2 == 0 else -falling
 
@@ -63,7 +69,10 @@ def time_to_edge(sector_angle: float, electrical_speed: float) -> float:
 
 @compilable
 def turned(sector_angle: float, electrical_speed: float, step: float, at_edge: bool) -> float:
-    """Angle within the sector after a step [rad], exactly on the edge where the step was cut to end there."""
+    """Angle within the sector after a step [rad].
+
+    It is exactly on the edge where the step was cut to end there.
+    """
     if at_edge:
         return SECTOR if electrical_speed > 0.0 else 0.0
     return min(max(sector_angle + electrical_speed * step, 0.0), SECTOR)
@@ -71,9 +80,10 @@ def turned(sector_angle: float, electrical_speed: float, step: float, at_edge: b
 
 @compilable
 def enter_sector(s: DriveState, electrical_speed: float) -> None:
-    """Commutate if the rotor stands on the edge that it moves across: one phase takes over from the off phase.
+    """Commutate if the rotor is on the edge that it moves across.
 
-    Between an even sector and the next one high stays, between an odd one and the next low stays.
+    One phase takes over from the off phase. Between an even sector and the next one high stays,
+    between an odd one and the next low stays.
     """
     if electrical_speed > 0.0 and s.sector_angle >= SECTOR:
         lower_sector = int(s.sector)
@@ -93,12 +103,13 @@ def enter_sector(s: DriveState, electrical_speed: float) -> None:
 
 @compilable
 def torque_share(electrical_angle: float) -> float:
-    """Torque over that of right commutation with the same current [1], at an angle of the rotor [rad].
+    """Torque over that of right commutation with the same current [1], at a rotor angle [rad].
 
-    Of the six codes 101 100 110 010 011 001 the stuck sensor, the first one, falsifies three: 010 reads 110, a sector
-    late, 011 reads 111, which no rotor shows and at which the bridge blocks, and 001 reads 101, a sector early. The
-    pair of phases of the sector before loses its EMF over the sector in the line, that of the sector behind gains it.
-    The mean is 2/3, and in one sector the motor cannot pull away.
+    Of the six codes 101 100 110 010 011 001 the stuck sensor, the first one, falsifies three: 010
+    reads 110, a sector late, 011 reads 111, which no rotor shows and at which the bridge blocks,
+    and 001 reads 101, a sector early. The pair of phases of the sector before loses its EMF over
+    the sector in the line, that of the sector behind gains it. The mean is 2/3, and in one sector
+    the motor cannot pull away.
     """
     turn = electrical_angle / tau
     place = 6.0 * (turn - float(int(turn)))
@@ -113,18 +124,26 @@ def torque_share(electrical_angle: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class MotorParameters:
-    """Motor with permanent magnets; without iron losses, friction or saturation, of which the source has nothing."""
+    """Motor with permanent magnets; the source has no iron losses, friction or saturation."""
 
-    pole_pairs: int = parameter(10, unit="1", low=1, high=100, about="pole pairs, p", source="Shchur 2019")
+    pole_pairs: int = parameter(
+        10, unit="1", low=1, high=100, about="pole pairs, p", source="Shchur 2019"
+    )
     resistance: float = parameter(
-        0.15, unit="ohm", low=0.0, high=100.0, about="resistance of one phase, R", source="Shchur 2019"
+        0.15,
+        unit="ohm",
+        low=0.0,
+        high=100.0,
+        about="resistance of one phase, R",
+        source="Shchur 2019",
     )
     inductance: float = parameter(
         0.008,
         unit="H",
         low=1e-6,
         high=1.0,
-        about="inductance of one phase less its mutual inductance to another, L (taken for the source's 8 mH)",
+        about="inductance of one phase less its mutual inductance to another, L (taken for the "
+        "source's 8 mH)",
         source="Shchur 2019",
     )
     flux_linkage: float = parameter(
@@ -132,30 +151,53 @@ class MotorParameters:
         unit="Wb",
         low=1e-4,
         high=10.0,
-        about="flux linkage of a pole pair with one phase, psi: on its flats the EMF of a phase is p psi omega",
+        about="flux linkage of a pole pair with one phase, psi: on its flats the EMF of a phase "
+        "is p psi omega",
         source="Shchur 2019",
     )
     torque_limit: float = setting(
-        500.0, unit="N m", low=0.0, high=1e5, about="limit of the torque reference, far above what the paper needs"
+        500.0,
+        unit="N m",
+        low=0.0,
+        high=1e5,
+        about="limit of the torque reference, far above what the paper needs",
     )
 
 
 @compilable
 def torque_constant(motor: MotorParameters) -> float:
-    """Torque of two conducting phases over their current, and their EMF over the shaft speed: 2 p psi [N m/A, V s]."""
+    """Constant 2 p psi of two conducting phases [N m/A, V s].
+
+    It is their torque over their current, and their EMF over the shaft speed.
+    """
     return 2.0 * motor.pole_pairs * motor.flux_linkage
 
 
 @dataclass(frozen=True, slots=True)
 class CurrentControllerParameters:
-    """Current controller; Shchur (2019) gives none, so its structure and its parameters are assumptions."""
+    """Current controller; Shchur (2019) gives none, so structure and parameters are assumptions."""
 
     bandwidth: float = setting(
-        3000.0, unit="rad/s", low=1.0, high=1e5, about="of the current loop; a zero cancels the motor's pole -R/L"
+        3000.0,
+        unit="rad/s",
+        low=1.0,
+        high=1e5,
+        about="of the current loop; a zero cancels the motor's pole -R/L",
     )
     emf_feedforward: float = setting(
-        1.0, unit="1", low=0.0, high=1.0, about="share of the EMF that the controller adds from the measured speed"
+        1.0,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="share of the EMF that the controller adds from the measured speed",
     )
+
+
+class Held(NamedTuple):
+    """Shaft speed and voltage of the bus, which a drive sees as constant over a step."""
+
+    speed: float  # [rad/s]
+    bus_voltage: float  # [V], above zero
 
 
 @compilable
@@ -163,24 +205,22 @@ def controlled_voltage(
     s: DriveState,
     controller: CurrentControllerParameters,
     motor: MotorParameters,
-    current_reference: float,
-    current: float,
-    speed: float,
-    bus_voltage: float,
+    error: float,
+    held: Held,
     sampling_period: float,
 ) -> float:
-    """Voltage across the two phases for the next sampling period, within -bus_voltage..bus_voltage [V].
+    """Voltage across the two phases for the next sampling period [V], within that of the bus.
 
-    Advances `s.voltage_integral`. Where the bus limits the voltage, the integral takes only as much of the error
-    as the motor has seen (back-calculation). Currents in A, shaft speed in rad/s.
+    Advances `s.voltage_integral`. Where the bus limits the voltage, the integral takes only as much
+    of the error as the motor has seen (back-calculation). Currents in A, shaft speed in rad/s.
     """
     proportional_gain = controller.bandwidth * 2.0 * motor.inductance
     integral_gain = controller.bandwidth * 2.0 * motor.resistance
-    error = current_reference - current
-    emf = torque_constant(motor) * speed
+    emf = torque_constant(motor) * held.speed
     wanted = proportional_gain * error + s.voltage_integral + controller.emf_feedforward * emf
-    voltage = min(max(wanted, -bus_voltage), bus_voltage)
-    s.voltage_integral += sampling_period * integral_gain * (error + (voltage - wanted) / proportional_gain)
+    voltage = min(max(wanted, -held.bus_voltage), held.bus_voltage)
+    seen = error + (voltage - wanted) / proportional_gain
+    s.voltage_integral += sampling_period * integral_gain * seen
     return voltage
 
 
@@ -189,30 +229,36 @@ class AveragedDriveParameters:
     """Averaged drive; all of it is assumed."""
 
     sampling_period: float = setting(
-        1e-4, unit="s", low=1e-6, high=1e-3, about="longest time between two samples of the current controller"
+        1e-4,
+        unit="s",
+        low=1e-6,
+        high=1e-3,
+        about="longest time between two samples of the current controller",
     )
     current_controller: CurrentControllerParameters = group(CurrentControllerParameters)
 
     def __post_init__(self) -> None:
         if self.sampling_period * self.current_controller.bandwidth > 1.0:
             raise ParameterError(
-                f"current_controller.bandwidth: {self.current_controller.bandwidth!r} is refused, expected at most "
-                f"1 / sampling_period = {1 / self.sampling_period:g} rad/s, beyond which the sampled loop overshoots"
+                f"current_controller.bandwidth: {self.current_controller.bandwidth!r} is refused, "
+                f"expected at most "
+                f"1 / sampling_period = {1 / self.sampling_period:g} rad/s, beyond which the "
+                f"sampled loop overshoots"
             )
 
 
 @compilable
 def advance_averaged(
-    s: DriveState, p: Any, torque_reference: float, speed: float, bus_voltage: float, duration: float
+    s: DriveState, p: Any, torque_reference: float, held: Held, duration: float
 ) -> None:
-    """Advance the current under its control and set the outputs of the state; see `drive.advance_drive`.
+    """Advance the current under its control, and set the outputs of the state.
 
-    Implicit midpoint rule: electrical energy = copper loss + mechanical work + change of magnetic energy up to
-    rounding.
+    Implicit midpoint rule: electrical energy = copper loss + mechanical work + change of magnetic
+    energy up to rounding.
     """
     motor, constant = p.motor, torque_constant(p.motor)
     current_reference = torque_reference / constant
-    emf = constant * speed
+    emf = constant * held.speed
     samples = max(1, math.ceil(duration / p.averaged.sampling_period - 1e-9))
     period = duration / samples
     half_decay = period * motor.resistance / (2.0 * motor.inductance)
@@ -221,7 +267,7 @@ def advance_averaged(
     energy = 0.0
     for _ in range(samples):
         voltage = controlled_voltage(
-            s, p.averaged.current_controller, motor, current_reference, current, speed, bus_voltage, period
+            s, p.averaged.current_controller, motor, current_reference - current, held, period
         )
         drive = period * (voltage - emf) / (2.0 * motor.inductance)
         next_current = (current * (1.0 - half_decay) + drive) / (1.0 + half_decay)

@@ -1,9 +1,18 @@
-"""Couplings between motors and wheels, and an engine with torque converter and automatic gearbox in their place."""
+"""Couplings between motors and wheels, and an engine with converter and gearbox.
+
+How it works: a coupling is three functions, called in this order in each step of a plant. Speeds
+go from the wheels to the shafts of the motors (`shaft_speeds`), commands from the wheels to the
+motors (`motor_commands`), and torques from the motors back to the wheels (`wheel_torques`), so that
+power in is power out but for what a clutch or a locking differential takes. An engine stands in the
+place of the motors: its crankshaft drives the pump of a torque converter, the turbine drives the
+gearbox. Only the converter is stiff, and `advance_engine` takes it implicitly.
+"""
 
 from __future__ import annotations
 
 from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ev_core.law import Car, compilable, entry, inlined, tanh
 from ev_core.vehicle.driveline import COUPLINGS
@@ -12,14 +21,22 @@ from ev_core.vehicle.motor import Engine, speed_fade
 INDIVIDUAL, OPEN, LIMITED_SLIP, CLUTCH, CENTRE = range(len(COUPLINGS))
 
 
+# Speed ratio at which the stator runs free: there the converter's two torques meet, and those of
+# the coupling begin.
+COUPLING_POINT = 0.8831
+# The steepest change of either torque with either speed, of a converter of size 1 and over the
+# faster speed [N m s^2/rad^2]: that of the coupling at equal speeds.
+STEEPEST = 18.4858e-3
+
+
 @inlined
 def shaft_speeds(car: Car, wheel_speed: Sequence[float], shaft: MutableSequence[float]) -> None:
-    """Speed of the shaft of each wheel's motor, at the wheel side of the gear [rad/s], into `shaft`.
+    """Speed of each wheel's motor shaft, at the wheel side of the gear [rad/s], into `shaft`.
 
-    A differential turns at the mean of its wheels, a centre differential at that of its axles, each by its share of the
-    torque. Slipping clutches only pass torque from a faster to a slower shaft, so the one shaft before them turns with
-    the fastest driven wheel. A motor of an axle or of the whole car is treated as equal parts, one for each wheel, on a
-    common shaft.
+    A differential turns at the mean of its wheels, a centre differential at that of its axles, each
+    by its share of the torque. Slipping clutches only pass torque from a faster to a slower shaft,
+    so the one shaft before them turns with the fastest driven wheel. A motor of an axle or of the
+    whole car is treated as equal parts, one for each wheel, on a common shaft.
     """
     coupling, driven = car.driveline.coupling, car.driven
     if coupling == CLUTCH:
@@ -45,13 +62,17 @@ def shaft_speeds(car: Car, wheel_speed: Sequence[float], shaft: MutableSequence[
 
 @inlined
 def shaft_yielding(car: Car, share: Sequence[float]) -> float:
-    """What the one shaft of a car gains in acceleration per torque on it [1/(kg m^2)], wheels lifted off the road.
+    """Gain in acceleration of a car's one shaft per torque on it [1/(kg m^2)].
 
-    Behind clutches it is that of the wheel that yields most, whichever is the fastest.
+    The wheels are lifted off the road. Behind clutches it is that of the wheel that yields most,
+    whichever is the fastest.
     """
     inertia, front = car.driven_wheel_inertia, car.driven[0]
     if car.driveline.coupling == CLUTCH:
-        return max(max(share[0] / inertia[0], share[1] / inertia[1]), max(share[2] / inertia[2], share[3] / inertia[3]))
+        return max(
+            max(share[0] / inertia[0], share[1] / inertia[1]),
+            max(share[2] / inertia[2], share[3] / inertia[3]),
+        )
     if car.driveline.coupling == CENTRE:
         front = car.driveline.front_share
     front_part = 0.25 * front * front * (1.0 / inertia[0] + 1.0 / inertia[1])
@@ -63,8 +84,8 @@ def shaft_yielding(car: Car, share: Sequence[float]) -> float:
 def motor_commands(car: Car, command: Sequence[float], motor: MutableSequence[float]) -> None:
     """Torque asked of each motor, at the wheel side of the gear [N m], into `motor`.
 
-    What is commanded at wheels without a motor is not delivered. Behind a differential only the sum of an axle
-    counts, behind clutches and a centre differential only the sum of all.
+    What is commanded at wheels without a motor is not delivered. Behind a differential only the sum
+    of an axle counts, behind clutches and a centre differential only the sum of all.
     """
     driven = car.driven
     for i in range(4):
@@ -82,14 +103,18 @@ def motor_commands(car: Car, command: Sequence[float], motor: MutableSequence[fl
 
 
 @inlined
-def follow_shares(car: Car, command: Sequence[float], share: MutableSequence[float], approach: float) -> None:
+def follow_shares(
+    car: Car, command: Sequence[float], share: MutableSequence[float], approach: float
+) -> None:
     """Let the clutches follow the commanded shares h of the torque [1], in place.
 
-    `approach` is 1 - exp(-dt/tau) of the clutch lag. Without torque the shares stay. Source: Zhileykin & Eranosyan
-    2018, clutches of the front axle (h_n) and of the rear wheels (h_2, h_4).
+    `approach` is 1 - exp(-dt/tau) of the clutch lag. Without torque the shares stay. Source:
+    Zhileykin & Eranosyan 2018, clutches of the front axle (h_n) and of the rear wheels (h_2, h_4).
     """
     driven = car.driven
-    total = (command[0] * driven[0] + command[1] * driven[1]) + (command[2] * driven[2] + command[3] * driven[3])
+    total = (command[0] * driven[0] + command[1] * driven[1]) + (
+        command[2] * driven[2] + command[3] * driven[3]
+    )
     if total == 0.0:
         return
     for i in range(4):
@@ -99,12 +124,18 @@ def follow_shares(car: Car, command: Sequence[float], share: MutableSequence[flo
 
 @inlined
 def wheel_torques(
-    car: Car, motor: Sequence[float], speed: Sequence[float], share: Sequence[float], wheel: MutableSequence[float]
+    car: Car,
+    motor: Sequence[float],
+    speed: Sequence[float],
+    share: Sequence[float],
+    wheel: MutableSequence[float],
 ) -> None:
-    """Drive torque of each wheel [N m], into `wheel`, from the torques behind the gears and the shares of the clutches.
+    """Drive torque of each wheel [N m], into `wheel`.
 
-    An open differential passes equal torques, a centre one those of its share. One that locks moves half its locking
-    torque, preload + share |T|, from the faster to the slower side; its sign is smoothed over `locking_speed` [rad/s].
+    It follows from the torques behind the gears and the shares of the clutches. An open
+    differential passes equal torques, a centre one those of its share. One that locks moves half
+    its locking torque, preload + share |T|, from the faster to the slower side; its sign is
+    smoothed over `locking_speed` [rad/s].
     """
     driveline = car.driveline
     if driveline.coupling == CLUTCH:
@@ -118,33 +149,31 @@ def wheel_torques(
         total = (motor[0] + motor[1]) + (motor[2] + motor[3])
         apart = 0.5 * (speed[0] + speed[1]) - 0.5 * (speed[2] + speed[3])
         locking = car.centre_preload + car.centre_locking * abs(total)
-        front = driveline.front_share * total - 0.5 * locking * tanh(apart / driveline.locking_speed)
+        front = driveline.front_share * total - 0.5 * locking * tanh(
+            apart / driveline.locking_speed
+        )
         wheel[0] = wheel[1] = 0.5 * front
         wheel[2] = wheel[3] = 0.5 * (total - front)
     for axle in range(2):
         left, right = 2 * axle, 2 * axle + 1
         if car.differential[axle] == 1.0 and car.axle_preload[axle] + car.axle_locking[axle] > 0.0:
-            locking = car.axle_preload[axle] + car.axle_locking[axle] * abs(wheel[left] + wheel[right])
+            locking = car.axle_preload[axle] + car.axle_locking[axle] * abs(
+                wheel[left] + wheel[right]
+            )
             moved = 0.5 * locking * tanh((speed[left] - speed[right]) / driveline.locking_speed)
             wheel[left] -= moved
             wheel[right] += moved
 
 
-# Speed ratio at which the stator runs free: there the converter's two torques meet, and those of the coupling begin.
-COUPLING_POINT = 0.8831
-# The steepest change of either torque with either speed, of a converter of size 1 and over the faster speed
-# [N m s^2/rad^2]: that of the coupling at equal speeds.
-STEEPEST = 18.4858e-3
-
-
 @compilable
 def converter_torques(size: float, pump: float, turbine: float) -> tuple[float, float]:
-    """The torque that the pump takes and the one that the turbine gives [N m], at their speeds [rad/s].
+    """Torques that the pump takes and the turbine gives [N m], at their speeds [rad/s].
 
-    Kotwicki, "Dynamic models for torque converter equipped vehicles", SAE 820393 (1982): two quadratic forms in both
-    speeds up to the coupling point, one beyond it; `size` [1] scales them. A turbine that turns faster than the pump
-    drives it as a coupling does, at most as at the coupling point (assumption: the source ends at equal speeds). One
-    that turns backwards counts as at rest (assumption).
+    Kotwicki, "Dynamic models for torque converter equipped vehicles", SAE 820393 (1982): two
+    quadratic forms in both speeds up to the coupling point, one beyond it; `size` [1] scales them.
+    A turbine that turns faster than the pump drives it as a coupling does, at most as at the
+    coupling point (assumption: the source ends at equal speeds). One that turns backwards counts as
+    at rest (assumption).
     """
     slow = max(turbine, 0.0)
     if slow < COUPLING_POINT * pump:
@@ -160,7 +189,7 @@ def converter_torques(size: float, pump: float, turbine: float) -> tuple[float, 
 
 @compilable
 def _coupled(fast: float, slow: float) -> float:
-    """The torque from the faster to the slower side of a converter of size 1 beyond its coupling point [N m]."""
+    """Torque from the faster to the slower side beyond the coupling point [N m], at size 1."""
     return max(-6.7644e-3 * fast * fast + 32.0024e-3 * fast * slow - 25.2441e-3 * slow * slow, 0.0)
 
 
@@ -174,17 +203,22 @@ class EngineState:
     since_shift: float = entry(unit="s", about="time that it has been in")
     work: float = entry(unit="J", about="given by the engine at its crankshaft")
     taken: float = entry(unit="W", about="by the converter, mean over the last step")
-    shaft: float = entry(unit="rad/s", about="speed of the gearbox' output when the last step began")
+    shaft: float = entry(
+        unit="rad/s", about="speed of the gearbox' output when the last step began"
+    )
     output: float = entry(unit="N m", about="of the gearbox' output over the last step")
-    refused: float = entry(unit="", about="1 if more was asked against a gear than the drag, too fast for the selector")
+    refused: float = entry(
+        unit="", about="1 if more was asked against a gear than the drag, too fast for the selector"
+    )
 
 
 @compilable
 def full_load_torque(e: Engine, speed: float) -> float:
     """Largest torque of the engine [N m] at a speed [rad/s].
 
-    M = P/w_P (1 + w/w_P - (w/w_P)^2) of a spark ignition engine, from the power P at w_P alone (Genta, Motor Vehicle
-    Dynamics, 1997, section on the engine's characteristics); it fades where fuel is cut off.
+    M = P/w_P (1 + w/w_P - (w/w_P)^2) of a spark ignition engine, from the power P at w_P alone
+    (Genta, Motor Vehicle Dynamics, 1997, section on the engine's characteristics); it fades where
+    fuel is cut off.
     """
     over = speed / e.peak_power_speed
     torque = max(e.peak_power / e.peak_power_speed * (1.0 + over - over * over), 0.0)
@@ -199,7 +233,10 @@ def gear_ratio(e: Engine, ratios: tuple[float, ...], gear: float) -> float:
 
 @compilable
 def begin_engine(s: EngineState, e: Engine, ratios: tuple[float, ...], shaft: float) -> None:
-    """Set an engine to a gearbox whose output turns [rad/s]: the highest gear above its downshift, without torque."""
+    """Set an engine without torque to a gearbox with a turning output [rad/s].
+
+    The highest gear above its downshift is in.
+    """
     s.gear = -1.0 if shaft < 0.0 else 1.0
     while 0.0 < s.gear < len(ratios) and ratios[int(s.gear)] * shaft > e.gearbox.downshift_speed:
         s.gear += 1.0
@@ -208,17 +245,26 @@ def begin_engine(s: EngineState, e: Engine, ratios: tuple[float, ...], shaft: fl
     s.shaft = shaft
 
 
+class GearboxLoad(NamedTuple):
+    """The output of the gearbox: the torque asked of it, its speed, and what resists it."""
+
+    wanted: float  # [N m]
+    shaft: float  # [rad/s]
+    yielding: float  # the most that its acceleration gains per torque [1/(kg m^2)]
+
+
 @compilable
 def advance_engine(
-    s: EngineState, e: Engine, ratios: tuple[float, ...], wanted: float, shaft: float, yielding: float, h: float
+    s: EngineState, e: Engine, ratios: tuple[float, ...], load: GearboxLoad, h: float
 ) -> float:
     """Advance the engine by h [s]; the torque of the gearbox' output [N m] over that time.
 
-    `wanted` is the torque asked there [N m], `shaft` the speed of the output [rad/s], `yielding` what its acceleration
-    gains at most per torque [1/(kg m^2)]. The pedal asks for a torque as in a car whose engine control thinks in
-    torques: the engine goes, with its lag, for what gives the wanted torque through gear and converter, between its
-    drag and full load; below idle speed the idle control pulls it up.
+    The pedal asks for a torque as in a
+    car with an engine control by torques: the engine goes, with its lag, for what gives the
+    wanted torque through gear and converter, between its drag and full load; below idle speed the
+    idle control pulls it up.
     """
+    wanted, shaft, yielding = load
     _shift(s, e, ratios, wanted, shaft, h)
     ratio = gear_ratio(e, ratios, s.gear)
     turbine = ratio * shaft
@@ -227,15 +273,20 @@ def advance_engine(
     asked = wanted / ratio
     asked = asked / e.gearbox.efficiency if asked >= 0.0 else asked * e.gearbox.efficiency
     most, least = full_load_torque(e, s.speed), -(e.drag_torque + e.drag_growth * s.speed)
-    target = max(asked / multiplied, least, e.idle_gain * (e.idle_speed - s.speed) if s.speed < e.idle_speed else least)
+    target = max(
+        asked / multiplied,
+        least,
+        e.idle_gain * (e.idle_speed - s.speed) if s.speed < e.idle_speed else least,
+    )
     if asked < least and turbine > abs(ratio) * e.gearbox.selector_speed:
         s.refused = 1.0
     s.torque += h / (e.torque_lag + h) * (min(target, most) - s.torque)
     gain = ratio * (e.gearbox.efficiency if given * turbine >= 0.0 else 1.0 / e.gearbox.efficiency)
-    # Geared low, or large, a converter is stiffer than any step suits: its torques are then those at the speeds that
-    # they lead to, by one linearly implicit step. The steepest slope for all of them, so that no kink is overshot,
-    # leaves it of first order and right in steady state. The load of the shaft is that of the last step. A converter
-    # that the step suits changes by as good as nothing.
+    # Geared low, or large, a converter is stiffer than any step suits: its torques are then those
+    # at the speeds that they lead to, by one linearly implicit step. The steepest slope for all of
+    # them, so that no kink is overshot, leaves it of first order and right in steady state. The
+    # load of the shaft is that of the last step. A converter that the step suits changes by as good
+    # as nothing.
     slope = e.converter_size * STEEPEST * max(s.speed, ratio * shaft) * h
     turning = (shaft - s.shaft) / h + yielding * (given * gain - s.output)
     parting = (s.torque - taken) / e.inertia - ratio * turning
@@ -248,18 +299,25 @@ def advance_engine(
     mean = 0.5 * (before + s.speed)
     s.work += s.torque * mean * h
     s.taken = taken * mean
-    passed = given * e.gearbox.efficiency if given * turbine >= 0.0 else given / e.gearbox.efficiency
+    passed = (
+        given * e.gearbox.efficiency if given * turbine >= 0.0 else given / e.gearbox.efficiency
+    )
     s.shaft, s.output = shaft, passed * ratio
     return s.output
 
 
 @compilable
-def _shift(s: EngineState, e: Engine, ratios: tuple[float, ...], wanted: float, shaft: float, h: float) -> None:
+def _shift(
+    s: EngineState, e: Engine, ratios: tuple[float, ...], wanted: float, shaft: float, h: float
+) -> None:
     """Change gear by the speed of the turbine, and the direction near rest by what is wanted."""
     s.since_shift += h
-    if s.since_shift < e.gearbox.dwell - 0.5 * h:  # a sum of steps is now above, now below what it stands for
+    # Half a step, because a sum of steps is now above, now below the time that it stands for.
+    if s.since_shift < e.gearbox.dwell - 0.5 * h:
         return
-    gear, turbine, slow = s.gear, gear_ratio(e, ratios, s.gear) * shaft, e.gearbox.selector_speed
+    gear = s.gear
+    turbine = gear_ratio(e, ratios, s.gear) * shaft
+    slow = e.gearbox.selector_speed
     if gear < 0.0:
         if wanted > 0.0 and shaft > -slow:
             s.gear = 1.0

@@ -1,7 +1,8 @@
-"""The guard before the integrator: only finite commands within range pass, everything else is counted.
+"""The guard before the integrator: only finite commands within range pass, others are counted.
 
-A drive torque or a steering rate that is not finite becomes 0; a brake torque or a steering angle that is not finite
-keeps its last accepted value. Values out of range go to the nearest end of it; a wheel without a motor has no range.
+A drive torque or a steering rate that is not finite becomes 0; a brake torque or a steering angle
+that is not finite keeps its last accepted value. Values out of range go to the nearest end of it; a
+wheel without a motor has no range.
 """
 
 from __future__ import annotations
@@ -14,8 +15,18 @@ from ev_core.vehicle.driveline import drive_train_numbers, motors_behind
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 
 
+class Commanded(NamedTuple):
+    """Signals that every plant reads: torques of the wheels, and the steering column."""
+
+    torques: WheelTorqueCommand
+    column: SteeringColumnState
+
+
 class GuardLimits(NamedTuple):
-    """Largest drive and brake torques at the wheels [N m] and road-wheel angle [rad], drive and angle either way."""
+    """Largest drive and brake torques at the wheels [N m] and road-wheel angle [rad].
+
+    Drive and angle hold either way.
+    """
 
     drive: Wheels
     brake: float
@@ -24,7 +35,7 @@ class GuardLimits(NamedTuple):
 
 @dataclass(slots=True)
 class GuardState:
-    """What was accepted last, and how many values were not taken as they came."""
+    """Values that were accepted last, and numbers of those that were not taken as they came."""
 
     brake: list[float] = per_wheel(unit="N m", about="brake torque that was accepted last")
     angle: float = entry(unit="rad", about="road-wheel angle that was accepted last")
@@ -33,20 +44,28 @@ class GuardState:
 
 
 def guard_limits(vehicle: Vehicle, motor_torque: float, angle: float) -> GuardLimits:
-    """The limits of a car by the largest torque at the shaft of one motor [N m] and the largest road-wheel angle [rad].
+    """Limits of a car by the largest torque at the shaft of one motor [N m].
 
-    Coupled wheels may get the torque of all motors.
+    `angle` is the largest road-wheel angle [rad]. Coupled wheels may get the torque of all motors.
     """
     gears = drive_train_numbers(vehicle)["gear"]
-    limits = (motor_torque * gear * motors_behind(vehicle, name) for name, gear in zip(WHEEL_NAMES, gears, strict=True))
+    limits = (
+        motor_torque * gear * motors_behind(vehicle, name)
+        for name, gear in zip(WHEEL_NAMES, gears, strict=True)
+    )
     drive = Wheels(
-        *(limit if name in vehicle.driven_wheels else 0.0 for name, limit in zip(WHEEL_NAMES, limits, strict=True))
+        *(
+            limit if name in vehicle.driven_wheels else 0.0
+            for name, limit in zip(WHEEL_NAMES, limits, strict=True)
+        )
     )
     return GuardLimits(drive, vehicle.maximum_brake_torque, angle)
 
 
 @compilable
-def guarded_torques(limits: GuardLimits, guard: GuardState, command: WheelTorqueCommand) -> WheelTorqueCommand:
+def guarded_torques(
+    limits: GuardLimits, guard: GuardState, command: WheelTorqueCommand
+) -> WheelTorqueCommand:
     """Drive and brake torques of the wheels that may be held over a period [N m]."""
     torques, most = command.drive, limits.drive
     drive = Wheels(
@@ -57,7 +76,9 @@ def guarded_torques(limits: GuardLimits, guard: GuardState, command: WheelTorque
     )
     for i in range(4):
         guard.brake[i] = accepted(guard, command.brake[i], guard.brake[i], 0.0, limits.brake)
-    return WheelTorqueCommand(drive, Wheels(guard.brake[0], guard.brake[1], guard.brake[2], guard.brake[3]))
+    return WheelTorqueCommand(
+        drive, Wheels(guard.brake[0], guard.brake[1], guard.brake[2], guard.brake[3])
+    )
 
 
 @compilable
@@ -71,7 +92,7 @@ def guarded_angle(limits: GuardLimits, guard: GuardState, column: SteeringColumn
 def guarded_steering(
     limits: GuardLimits, guard: GuardState, column: SteeringColumnState, period: float
 ) -> tuple[float, float]:
-    """The angle as above, and the rate [rad/s] at which it may go on over a period [s] within its limit."""
+    """Road-wheel angle [rad], and the rate [rad/s] at which it may go on over a period [s]."""
     angle, limit = guarded_angle(limits, guard, column), limits.angle
     low, high = (-limit - angle) / period, (limit - angle) / period
     return angle, accepted(guard, column.road_wheel_rate, 0.0, low, high)
@@ -90,7 +111,7 @@ def accepted(guard: GuardState, value: float, otherwise: float, low: float, high
 
 
 def guard_notes(guard: GuardState) -> tuple[str, ...]:
-    """What was not taken as it came, counted by powers of ten."""
+    """Lines about values that were not taken as they came, counted by powers of ten."""
     counts = (
         ("values of commands were not finite", int(guard.non_finite)),
         ("values of commands were out of range", int(guard.out_of_range)),

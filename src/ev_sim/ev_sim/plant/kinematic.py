@@ -1,10 +1,11 @@
 """The kinematic plant: a point mass on wheels that roll without slip (Shchur 2019, eqs 8 to 13).
 
-Ackermann-Jeantaud steering: the centre of the turn lies on the line of the rear axle. The equations are multiplied
-through with sin(delta), so they hold in straight running, and delta < 0 mirrors delta > 0: eq 11 as printed has lost
-the sign of delta and would turn the front wheels backwards in a right turn. They are also continuous where the inner
-wheel stands across the car (L/tan(delta) = d/2) and at 90 deg, where arctan would jump: the wheel angle then passes
-beyond 90 deg. delta is the mean road-wheel angle, left positive [rad], |delta| < pi; lengths in m, above zero.
+Ackermann-Jeantaud steering: the centre of the turn lies on the line of the rear axle. The equations
+are multiplied through with sin(delta), so they hold in straight running, and delta < 0 mirrors
+delta > 0: eq 11 as printed has lost the sign of delta and would turn the front wheels backwards in
+a right turn. They are also continuous where the inner wheel stands across the car (L/tan(delta) =
+d/2) and at 90 deg, where arctan would jump: the wheel angle then passes beyond 90 deg. delta is the
+mean road-wheel angle, left positive [rad], |delta| < pi; lengths in m, above zero.
 """
 
 from __future__ import annotations
@@ -13,26 +14,54 @@ import math
 from dataclasses import dataclass
 
 from ev_core.elementary import atan2, copysign, cos, hypot, sin
-from ev_core.law import GRAVITY, Car, Vehicle, Wheels, compilable, each_wheel, entry, equal_motors, method, part
+from ev_core.law import (
+    GRAVITY,
+    Car,
+    Vehicle,
+    Wheels,
+    compilable,
+    each_wheel,
+    entry,
+    equal_motors,
+    method,
+    part,
+)
 from ev_core.parameters.declaration import setting
 from ev_msgs_py.contract import signals
-from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.brushless_motor import DriveState
 from ev_sim.drives.drive import DriveParameters, advance_drive
-from ev_sim.plant.guard import GuardLimits, GuardState, guard_limits, guard_notes, guarded_angle, guarded_torques
+from ev_sim.plant.guard import (
+    Commanded,
+    GuardLimits,
+    GuardState,
+    guard_limits,
+    guard_notes,
+    guarded_angle,
+    guarded_torques,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class KinematicPlantParameters(DriveParameters):
-    """Drives, supply and integration of the kinematic plant; the car itself is the vehicle description."""
+    """Drives, supply and integration of the kinematic plant; the car is the vehicle description."""
 
     bus_voltage: float = setting(
-        480.0, unit="V", low=1.0, high=2000.0, about="constant: the paper's second turn needs more than 381 V of EMF"
+        480.0,
+        unit="V",
+        low=1.0,
+        high=2000.0,
+        about="constant: the paper's second turn needs more than 381 V of EMF",
     )
     sub_step: float = setting(
-        1e-3, unit="s", low=1e-6, high=1e-3, about="longest step of the motion, over which the drives see one speed"
+        1e-3,
+        unit="s",
+        low=1e-6,
+        high=1e-3,
+        about="longest step of the motion, over which the drives see one speed",
     )
-    initial_speed: float = setting(0.0, unit="m/s", low=-100.0, high=100.0, about="speed at the start")
+    initial_speed: float = setting(
+        0.0, unit="m/s", low=-100.0, high=100.0, about="speed at the start"
+    )
 
 
 @dataclass(slots=True)
@@ -40,18 +69,28 @@ class RollingWheelState:
     """A wheel that rolls without slip."""
 
     position: float = entry(unit="rad", about="turned angle")
-    speed_ratio: float = entry(1.0, unit="1", about="speed of the wheel over that of the centre of mass, V_j/V")
-    mean_torque: float = entry(unit="N m", about="of the drive at the wheel, over the last control period")
+    speed_ratio: float = entry(
+        1.0, unit="1", about="speed of the wheel over that of the centre of mass, V_j/V"
+    )
+    mean_torque: float = entry(
+        unit="N m", about="of the drive at the wheel, over the last control period"
+    )
 
 
 @dataclass(slots=True)
 class KinematicPlantState:
     """The car on its path, its wheels and drives, and the commands that were accepted last."""
 
-    speed: float = entry(unit="m/s", about="V, of the centre of mass along its path, backwards negative")
-    acceleration: float = entry(unit="m/s^2", about="along the path, mean over the last control period")
+    speed: float = entry(
+        unit="m/s", about="V, of the centre of mass along its path, backwards negative"
+    )
+    acceleration: float = entry(
+        unit="m/s^2", about="along the path, mean over the last control period"
+    )
     path_curvature: float = entry(unit="1/m", about="1/R, positive to the left")
-    course_offset: float = entry(unit="rad", about="from the car's x axis to the path, left positive")
+    course_offset: float = entry(
+        unit="rad", about="from the car's x axis to the path, left positive"
+    )
     x: float = entry(unit="m", about="of the centre of mass in odom")
     y: float = entry(unit="m", about="of the centre of mass in odom")
     heading: float = entry(unit="rad", about="of the car in odom")
@@ -71,15 +110,20 @@ _SIGNALS = (
 
 @compilable
 def outputs(car: Car, s: KinematicPlantState) -> tuple:
-    """The signals of this instant; wheel torques and acceleration are means over the control period before it.
+    """The signals of this instant.
 
-    The means are what moved the car, chopping and commutation ripple included; the motors' torque is the one of
-    this instant, so it shows the ripple. Of the road-wheel angle the plant knows what was held until now.
+    Wheel torques and acceleration are means over the control period before it. The means are what
+    moved the car, chopping and commutation ripple included; the motors' torque is the one of this
+    instant, so it shows the ripple. Of the road-wheel angle the plant knows what was held until
+    now.
     """
     yaw_rate = s.speed * s.path_curvature
     along, across = cos(s.course_offset), sin(s.course_offset)
     centripetal = s.speed * yaw_rate
-    one, two, three, four = s.wheels[0], s.wheels[1], s.wheels[2], s.wheels[3]
+    one = s.wheels[0]
+    two = s.wheels[1]
+    three = s.wheels[2]
+    four = s.wheels[3]
     velocity = Wheels(
         one.speed_ratio * s.speed / car.wheel_radius,
         two.speed_ratio * s.speed / car.wheel_radius,
@@ -102,7 +146,9 @@ def outputs(car: Car, s: KinematicPlantState) -> tuple:
             Wheels(s.drives[0].torque, s.drives[1].torque, s.drives[2].torque, s.drives[3].torque),
         ),
         signals.InertialMeasurement(
-            yaw_rate, s.acceleration * along - centripetal * across, s.acceleration * across + centripetal * along
+            yaw_rate,
+            s.acceleration * along - centripetal * across,
+            s.acceleration * across + centripetal * along,
         ),
         signals.BodyVelocity(s.speed * along, s.speed * across, yaw_rate),
         signals.BodyPose(s.x, s.y, sin(s.heading / 2), cos(s.heading / 2)),
@@ -121,15 +167,18 @@ def move_with_dry_friction(
 ) -> tuple[float, float]:
     """Speed [m/s] and travelled distance [m] after `duration` [s] of m V' = F - F_friction sgn(V).
 
-    The force is constant, `friction` >= 0 and `mass` > 0. Exact: a motion that friction brings to rest stops at its
-    instant; at rest friction takes up any force within +-`friction`, a larger one breaks loose in its own direction.
+    The force is constant, `friction` >= 0 and `mass` > 0. Exact: a motion that friction brings to
+    rest stops at its instant; at rest friction takes up any force within +-`friction`, a larger one
+    breaks loose in its own direction.
     """
     distance = 0.0
     if speed != 0.0:
         acceleration = (force - copysign(friction, speed)) / mass
         stops = speed * acceleration < 0.0 and -speed / acceleration <= duration
         if not stops:
-            return speed + acceleration * duration, (speed + acceleration * duration / 2.0) * duration
+            return speed + acceleration * duration, (
+                speed + acceleration * duration / 2.0
+            ) * duration
         distance = -speed * speed / (2.0 * acceleration)
         duration += speed / acceleration
     if abs(force) <= friction:
@@ -139,9 +188,10 @@ def move_with_dry_friction(
 
 
 def limits(parameters: KinematicPlantParameters, vehicle: Vehicle, period: float) -> GuardLimits:
-    """What commands may ask for.
+    """Limits of the commands.
 
-    The paper's steering has no stop, its column swings beyond a right angle; eqs 8 to 11 hold at any angle.
+    The paper's steering has no stop, its column swings beyond a right angle; eqs 8 to 11 hold at
+    any angle.
     """
     return guard_limits(vehicle, parameters.motor.torque_limit, angle=math.inf)
 
@@ -165,26 +215,30 @@ def kinematic(
     c: GuardLimits,
     s: KinematicPlantState,
     period: float,
-    command: WheelTorqueCommand,
-    column: SteeringColumnState,
+    commanded: Commanded,
 ) -> None:
-    """Point mass, wheels that roll without slip on Ackermann's radii, resistance and brakes as dry friction.
+    """Point mass on wheels that roll without slip; resistance and brakes are dry friction.
 
-    m V' = sum(M_j)/r_k - 0.5 rho c_d A V |V| - (k_r m g + sum(brake torques)/r_k) sgn(V), eq 13 with its traction
-    equation; V_j = V R_j/R by eqs 8 to 11. As in the paper V is the speed of the centre of mass along its path, whose
-    x and y components BodyVelocity carries, and the inertia of wheels, motors and yaw is left out. The road-wheel
-    angle is held over a control period, so the car then moves on a circular arc, which is integrated exactly. Torques
-    and angle are held as the guard accepts them.
+    m V' = sum(M_j)/r_k - 0.5 rho c_d A V |V| - (k_r m g + sum(brake torques)/r_k) sgn(V), eq 13
+    with its traction equation; V_j = V R_j/R by eqs 8 to 11. As in the paper V is the speed of the
+    centre of mass along its path, whose x and y components BodyVelocity carries, and the inertia of
+    wheels, motors and yaw is left out. The road-wheel angle is held over a control period, so the
+    car then moves on a circular arc, which is integrated exactly. Torques and angle are held as the
+    guard accepts them.
     """
-    held = guarded_torques(c, s.guard, command)
-    angle, base, behind = guarded_angle(c, s.guard, column), car.wheelbase, car.centre_of_mass_to_rear_axle
+    held = guarded_torques(c, s.guard, commanded.torques)
+    angle = guarded_angle(c, s.guard, commanded.column)
+    base = car.wheelbase
+    behind = car.centre_of_mass_to_rear_axle
     s.path_curvature = path_curvature(angle, base, behind)
     s.course_offset = course_offset(angle, base, behind)
     ratios = wheel_speed_ratios(angle, base, car.front_track, car.rear_track, behind)
     rolling_resistance = car.constant_rolling_resistance * car.mass * GRAVITY
     brake, torques = held.brake, held.drive
     # Sums go axle by axle, so that mirrored cars stay mirrored to the last bit.
-    friction = rolling_resistance + ((brake[0] + brake[1]) + (brake[2] + brake[3])) / car.wheel_radius
+    friction = (
+        rolling_resistance + ((brake[0] + brake[1]) + (brake[2] + brake[3])) / car.wheel_radius
+    )
     drag = 0.5 * car.air_density * car.drag_coefficient * car.frontal_area + car.road_load.quadratic
     sub_steps = max(1, math.ceil(period / p.sub_step - 1e-9))
     step = period / sub_steps
@@ -193,9 +247,17 @@ def kinematic(
     for i in range(4):
         s.wheels[i].mean_torque, s.wheels[i].speed_ratio = 0.0, ratios[i]
     for _ in range(sub_steps):
-        front = advance_wheel(p, car, s, 0, torques[0], step) + advance_wheel(p, car, s, 1, torques[1], step)
-        rear = advance_wheel(p, car, s, 2, torques[2], step) + advance_wheel(p, car, s, 3, torques[3], step)
-        force = (front + rear) / car.wheel_radius - drag * s.speed * abs(s.speed) - car.road_load.linear * s.speed
+        front = advance_wheel(p, car, s, 0, torques[0], step) + advance_wheel(
+            p, car, s, 1, torques[1], step
+        )
+        rear = advance_wheel(p, car, s, 2, torques[2], step) + advance_wheel(
+            p, car, s, 3, torques[3], step
+        )
+        force = (
+            (front + rear) / car.wheel_radius
+            - drag * s.speed * abs(s.speed)
+            - car.road_load.linear * s.speed
+        )
         s.speed, moved = move_with_dry_friction(s.speed, force, friction, car.mass, step)
         distance += moved
     for i in range(4):
@@ -207,9 +269,14 @@ def kinematic(
 
 @compilable
 def advance_wheel(
-    p: KinematicPlantParameters, car: Car, s: KinematicPlantState, i: int, torque: float, step: float
+    p: KinematicPlantParameters,
+    car: Car,
+    s: KinematicPlantState,
+    i: int,
+    torque: float,
+    step: float,
 ) -> float:
-    """Advance the drive of a wheel that is to give a torque there [N m]; what it gave, mean over the step."""
+    """Advance the drive of a wheel towards a torque there [N m]; its mean over the step [N m]."""
     if car.driven[i] == 0.0:
         return 0.0
     speed = car.gear_ratio * s.wheels[i].speed_ratio * s.speed / car.wheel_radius
@@ -231,7 +298,9 @@ def move_on_arc(s: KinematicPlantState, distance: float) -> None:
 
 
 @compilable
-def front_wheel_angles(road_wheel_angle: float, wheelbase: float, front_track: float) -> tuple[float, float]:
+def front_wheel_angles(
+    road_wheel_angle: float, wheelbase: float, front_track: float
+) -> tuple[float, float]:
     """Angles of the left and the right front wheel, left positive [rad] (eq 8)."""
     ahead = wheelbase * sin(road_wheel_angle)
     to_centre = wheelbase * cos(road_wheel_angle)
@@ -240,28 +309,43 @@ def front_wheel_angles(road_wheel_angle: float, wheelbase: float, front_track: f
 
 
 @compilable
-def path_curvature(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float) -> float:
-    """Curvature 1/R of the path of the centre of mass, positive to the left [1/m] (eq 11 with the sign of delta)."""
-    return sin(road_wheel_angle) / _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle)
+def path_curvature(
+    road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float
+) -> float:
+    """Curvature 1/R of the path of the centre of mass, positive to the left [1/m].
+
+    It is eq 11 with the sign of delta.
+    """
+    return sin(road_wheel_angle) / _scaled_radius(
+        road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle
+    )
 
 
 @compilable
-def course_offset(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float) -> float:
-    """Angle from the car's x axis to the path of its centre of mass, left positive [rad]; from fig 2.
+def course_offset(
+    road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float
+) -> float:
+    """Angle from the car's x axis to the path of its centre of mass, left positive [rad] (fig 2).
 
     It is the sideslip angle of a car that rolls forwards.
     """
-    return atan2(centre_of_mass_to_rear_axle * sin(road_wheel_angle), wheelbase * cos(road_wheel_angle))
+    return atan2(
+        centre_of_mass_to_rear_axle * sin(road_wheel_angle), wheelbase * cos(road_wheel_angle)
+    )
 
 
 @compilable
 def wheel_speed_ratios(
-    road_wheel_angle: float, wheelbase: float, front_track: float, rear_track: float, centre_of_mass_to_rear_axle: float
+    road_wheel_angle: float,
+    wheelbase: float,
+    front_track: float,
+    rear_track: float,
+    centre_of_mass_to_rear_axle: float,
 ) -> Wheels:
-    """Speeds V_j of the rolling wheels over the speed V of the centre of mass, in the order of Wheels (eqs 8 to 10).
+    """Speeds V_j of the rolling wheels over the speed V of the centre of mass (eqs 8 to 10).
 
-    The rear wheels roll on radii L/tan(delta) -+ d/2; the inner one rolls backwards where the centre of the turn lies
-    between them.
+    The rear wheels roll on radii L/tan(delta) -+ d/2; the inner one rolls backwards where the
+    centre of the turn lies between them.
     """
     ahead = wheelbase * sin(road_wheel_angle)
     to_centre = wheelbase * cos(road_wheel_angle)
@@ -277,6 +361,10 @@ def wheel_speed_ratios(
 
 
 @compilable
-def _scaled_radius(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float) -> float:
+def _scaled_radius(
+    road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float
+) -> float:
     """|R sin(delta)|, which stays finite in straight running [m] (eq 11)."""
-    return hypot(wheelbase * cos(road_wheel_angle), centre_of_mass_to_rear_axle * sin(road_wheel_angle))
+    return hypot(
+        wheelbase * cos(road_wheel_angle), centre_of_mass_to_rear_axle * sin(road_wheel_angle)
+    )

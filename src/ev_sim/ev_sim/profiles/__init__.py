@@ -1,1 +1,1 @@
-"""Values over time: speeds, pedals, hand torques and angles that are wanted, and the windows of a cycle."""
+"""Values over time: speeds, pedals, hand torques and angles, and the windows of a cycle."""

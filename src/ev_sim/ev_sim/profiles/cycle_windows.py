@@ -18,14 +18,19 @@ STOP, TRACTION, REGENERATION = range(len(MODES))
 
 @dataclass(frozen=True, slots=True)
 class WindowRuleParameters:
-    """What counts as standing and as falling, and which windows are too short to be one.
+    """Limits of standing and falling speeds, and of windows that are too short to be one.
 
-    On TRRL 1.1 the rule finds the windows that the dissertation lists, but for 49.7 s to 57.3 s, where the speed falls
-    and the source goes on with traction.
+    On TRRL 1.1 the rule finds the windows that the dissertation lists, but for 49.7 s to 57.3 s,
+    where the speed falls and the source goes on with traction.
     """
 
     standing_speed: float = parameter(
-        1.0 / 3.6, unit="m/s", low=0.0, high=10.0, about="up to it the car stands", source="UN GTR 15: 1 km/h"
+        1.0 / 3.6,
+        unit="m/s",
+        low=0.0,
+        high=10.0,
+        about="up to it the car stands",
+        source="UN GTR 15: 1 km/h",
     )
     deceleration: float = parameter(
         0.1,
@@ -33,7 +38,8 @@ class WindowRuleParameters:
         low=0.0,
         high=10.0,
         about="a speed that falls faster is slowed down by the drives",
-        source="assumption: the least that the dissertation, section 2.6, calls regeneration is 0.105 m/s^2",
+        source="assumption: the least that the dissertation, section 2.6, calls regeneration is "
+        "0.105 m/s^2",
     )
     longest_hold: float = parameter(
         5.0,
@@ -53,14 +59,18 @@ class WindowRuleParameters:
     )
 
 
-def windows_by_rule(p: WindowRuleParameters, cycle: Profile) -> tuple[tuple[float, ...], tuple[int, ...]]:
-    """Times at which the windows of a cycle begin [s], and their modes as places in MODES."""
+def windows_by_rule(
+    p: WindowRuleParameters, cycle: Profile
+) -> tuple[tuple[float, ...], tuple[int, ...]]:
+    """Times at which the windows of a cycle begin [s], and the places of their modes in MODES."""
     points = list(zip(cycle.time, cycle.value, strict=True))
     found: list[tuple[tuple[float, float], int]] = []
     for start, end in pairwise([*points, (math.inf, points[-1][1])]):
         then = end[1] if cycle.linear else start[1]
         falls = start[1] - then > p.deceleration * (end[0] - start[0])
-        mode = STOP if max(start[1], then) <= p.standing_speed else REGENERATION if falls else TRACTION
+        mode = (
+            STOP if max(start[1], then) <= p.standing_speed else REGENERATION if falls else TRACTION
+        )
         if not found or mode != found[-1][1]:
             found.append((start, mode))
     place = 1
@@ -69,7 +79,11 @@ def windows_by_rule(p: WindowRuleParameters, cycle: Profile) -> tuple[tuple[floa
         hold = mode == TRACTION and speed_then <= speed
         allowed = max(p.longest_hold, p.shortest) if hold else p.shortest
         # Times of a table have decimals that no float has.
-        if STOP not in (mode, following) and found[place - 1][1] == following and end - begin <= allowed + 1e-9:
+        if (
+            STOP not in (mode, following)
+            and found[place - 1][1] == following
+            and end - begin <= allowed + 1e-9
+        ):
             del found[place : place + 2]
             place = max(place - 1, 1)
         else:
@@ -89,21 +103,26 @@ class CycleModesParameters:
         about="times at which the windows begin, increasing; empty: found by the rule",
         source="dissertation, section 2.6",
     )
-    mode: tuple[str, ...] = setting((), choices=MODES, about="what each window is for; the last one holds")
+    mode: tuple[str, ...] = setting(
+        (), choices=MODES, about="what each window is for; the last one holds"
+    )
     rule: WindowRuleParameters = group(WindowRuleParameters)
 
     def __post_init__(self) -> None:
         if len(self.begin) != len(self.mode):
             raise ParameterError(
-                f"begin and mode have {len(self.begin)} and {len(self.mode)} elements, expected the same number"
+                f"begin and mode have {len(self.begin)} and {len(self.mode)} elements, expected "
+                f"the same number"
             )
         for earlier, later in pairwise(self.begin):
             if not earlier < later:
-                raise ParameterError(f"begin: {later:g} s after {earlier:g} s is refused, expected increasing time")
+                raise ParameterError(
+                    f"begin: {later:g} s after {earlier:g} s is refused, expected increasing time"
+                )
 
 
 class CycleModes(NamedTuple):
-    """Times at which the windows of a cycle begin [s], and the place of each window's mode in MODES."""
+    """Times at which the windows of a cycle begin [s], and the places of their modes in MODES."""
 
     begin: tuple[float, ...]
     mode: tuple[float, ...]
@@ -112,7 +131,9 @@ class CycleModes(NamedTuple):
 def cycle_modes(parameters: CycleModesParameters, cycle: Profile) -> CycleModes:
     """The windows that the parameters name, or those that the rule finds."""
     if parameters.begin:
-        return CycleModes(parameters.begin, tuple(float(MODES.index(name)) for name in parameters.mode))
+        return CycleModes(
+            parameters.begin, tuple(float(MODES.index(name)) for name in parameters.mode)
+        )
     begin, mode = windows_by_rule(parameters.rule, cycle)
     return CycleModes(begin, tuple(map(float, mode)))
 
@@ -132,7 +153,8 @@ def values_at(profile: Profile, times: np.ndarray) -> np.ndarray:
     if profile.linear == 0.0:
         return values[start]
     end = np.minimum(begun, len(points) - 1)
-    width = np.where(end > start, points[end] - points[start], 1.0)  # outside of the points their values hold
+    # Outside of the points their values hold.
+    width = np.where(end > start, points[end] - points[start], 1.0)
     return values[start] + (values[end] - values[start]) * ((times - points[start]) / width)
 
 

@@ -1,8 +1,9 @@
 """Inertia, spring, damper, dry friction and end stops under a torque that is held over the period.
 
-The equation J x'' + b x' + k x = T - M_c sgn(x'), eq 3 of Shchur (2019), is linear as long as the direction of motion
-does not change. So each phase of motion is integrated exactly, and the instants that end a phase (reversal, end stop)
-are solved for instead of stepped over: rest is rest, without chatter or creep, at any period.
+The equation J x'' + b x' + k x = T - M_c sgn(x'), eq 3 of Shchur (2019), is linear as long as the
+direction of motion does not change. So each phase of motion is integrated exactly, and the instants
+that end a phase (reversal, end stop) are solved for instead of stepped over: rest is rest, without
+chatter or creep, at any period.
 """
 
 from __future__ import annotations
@@ -26,7 +27,10 @@ class Transition(NamedTuple):
 
 
 class FreeMotion(NamedTuple):
-    """J x'' + b x' + k x = 0, with eigenvalues -decay +- split [1/s], split imaginary if it oscillates (1, else 0)."""
+    """Eigenvalues -decay +- split [1/s] of J x'' + b x' + k x = 0.
+
+    The split is imaginary if it oscillates (1, else 0).
+    """
 
     inertia: float
     stiffness: float
@@ -36,9 +40,10 @@ class FreeMotion(NamedTuple):
 
 
 class Oscillator(NamedTuple):
-    """J x'' + b x' + k x = T - M_c sgn(x') within |x| <= stop; the stops take all kinetic energy (plastic impact).
+    """Oscillator J x'' + b x' + k x = T - M_c sgn(x') within |x| <= stop.
 
-    In SI units, the angle x in rad. `full_period` is the transition over the whole period [s].
+    The stops take all kinetic energy (plastic impact). In SI units, the angle x in rad.
+    `full_period` is the transition over the whole period [s].
     """
 
     dry_friction: float
@@ -49,12 +54,17 @@ class Oscillator(NamedTuple):
 
 
 def oscillator(
-    inertia: float, damping: float, stiffness: float, dry_friction: float, stop: float, period: float
+    inertia: float,
+    damping: float,
+    stiffness: float,
+    dry_friction: float,
+    stop: float,
+    period: float,
 ) -> Oscillator:
-    """The oscillator with J > 0 [kg m^2], b >= 0 [N m s/rad], k > 0 [N m/rad], M_c >= 0 [N m] and a stop > 0 [rad].
+    """Oscillator with J > 0 [kg m^2], b >= 0 [N m s/rad], k > 0 [N m/rad].
 
-    At exactly critical damping the eigenvalues are set apart by a part in 10^8, which changes the motion by a part in
-    10^16.
+    M_c >= 0 [N m], and the stop > 0 [rad]. At exactly critical damping the eigenvalues are set
+    apart by a part in 10^8, which changes the motion by a part in 10^16.
     """
     decay = damping / (2 * inertia)
     discriminant = decay * decay - stiffness / inertia
@@ -78,7 +88,8 @@ def oscillated(o: Oscillator, angle: float, rate: float, torque: float) -> tuple
         if direction * next_angle > o.stop:
             duration = _time_to_stop(o, angle, rate, equilibrium, direction, duration)
             next_angle, next_rate = direction * o.stop, 0.0
-        elif duration == reversal or direction * next_rate < 0.0:  # a rate against the phase is rounding
+        elif duration == reversal or direction * next_rate < 0.0:
+            # A phase ends at rest; a rate against it is rounding.
             next_rate = 0.0
         remaining -= duration
         if remaining <= 0.0:
@@ -88,7 +99,7 @@ def oscillated(o: Oscillator, angle: float, rate: float, torque: float) -> tuple
 
 @compilable
 def _direction(o: Oscillator, angle: float, rate: float, torque: float) -> float:
-    """+1 or -1 for the phase of motion that begins, 0 for rest: held by dry friction or by a stop."""
+    """Sign of the motion that begins, 0 for rest: held by dry friction or by a stop."""
     if rate != 0.0:
         return copysign(1.0, rate)
     free_torque = torque - o.free.stiffness * angle
@@ -97,16 +108,18 @@ def _direction(o: Oscillator, angle: float, rate: float, torque: float) -> float
     direction = copysign(1.0, free_torque)
     if direction * angle >= o.stop:
         return 0.0
-    # Where the torque is as good as the friction, rounding may put the equilibrium where the motion begins, or behind.
+    # Where the torque is as good as the friction, rounding may put the equilibrium where the motion
+    # begins, or behind.
     ahead = (torque - direction * o.dry_friction) / o.free.stiffness - angle
     return direction if direction * ahead > 0.0 else 0.0
 
 
 @compilable
 def _time_to_reversal(free: FreeMotion, speed: float, lead: float) -> float:
-    """When a motion with this speed (>= 0), its equilibrium this far ahead, comes to rest; infinite if never [s].
+    """Time at which a motion comes to rest, infinite if never [s].
 
-    The speed is e^(-decay t) (speed C(t) + slope S(t)) with the C and S of `transition`.
+    Its speed is at least 0, its equilibrium so far ahead. The speed is e^(-decay t) (speed C(t) +
+    slope S(t)) with the C and S of `transition`.
     """
     slope = lead * free.stiffness / free.inertia - free.decay * speed
     split = free.split
@@ -121,7 +134,10 @@ def _time_to_reversal(free: FreeMotion, speed: float, lead: float) -> float:
 def _time_to_stop(
     o: Oscillator, angle: float, rate: float, equilibrium: float, direction: float, before: float
 ) -> float:
-    """When the motion reaches the stop, known to lie within `before`; the angle is monotone until then [s]."""
+    """Time at which the motion reaches the stop, which lies within `before` [s].
+
+    The angle is monotone until then.
+    """
     low, high = 0.0, before
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
@@ -133,7 +149,9 @@ def _time_to_stop(
 
 
 @compilable
-def _move(o: Oscillator, angle: float, rate: float, equilibrium: float, duration: float) -> tuple[float, float]:
+def _move(
+    o: Oscillator, angle: float, rate: float, equilibrium: float, duration: float
+) -> tuple[float, float]:
     """Angle and rate after a duration within one phase of motion."""
     full = duration == o.period
     p11, p12, p21, p22 = o.full_period if full else transition(o.free, duration)
@@ -149,7 +167,8 @@ def transition(free: FreeMotion, t: float) -> Transition:
         c = envelope * cos(free.split * t)
         s = envelope * sin(free.split * t) / free.split
     else:
-        # The slow eigenvalue from the product of both: their difference would cancel in a stiff system.
+        # The slow eigenvalue from the product of both: their difference would cancel in a stiff
+        # system.
         slow = exp(-free.stiffness / free.inertia / (free.decay + free.split) * t)
         c = slow * (1 + exp(-2 * free.split * t)) / 2
         s = slow * -expm1(-2 * free.split * t) / (2 * free.split)

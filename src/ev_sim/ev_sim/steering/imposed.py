@@ -6,7 +6,13 @@ from dataclasses import dataclass
 
 from ev_core.law import Car, Vehicle, compilable, entry, setting
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState
-from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
+from ev_sim.profiles.profile import (
+    Profile,
+    check_points,
+    interpolation_parameter,
+    profile_of,
+    value_at,
+)
 from ev_sim.steering.column import steering_column
 
 
@@ -16,11 +22,18 @@ class ImposedAngleParameters:
 
     time: tuple[float, ...] = setting((0.0,), unit="s", about="times of the points, increasing")
     angle: tuple[float, ...] = setting(
-        (0.0,), unit="rad", low=-1.4, high=1.4, about="mean road-wheel angles at these times", lateral=True
+        (0.0,),
+        unit="rad",
+        low=-1.4,
+        high=1.4,
+        about="mean road-wheel angles at these times",
+        lateral=True,
     )
     interpolation: str = interpolation_parameter("linear")
     scale: float = setting(1.0, unit="1", low=0.5, high=2.0, about="true angle over the given one")
-    offset: float = setting(0.0, unit="rad", low=-0.1, high=0.1, about="added to the scaled angle", lateral=True)
+    offset: float = setting(
+        0.0, unit="rad", low=-0.1, high=0.1, about="added to the scaled angle", lateral=True
+    )
     delay: float = setting(
         0.0,
         unit="s",
@@ -46,16 +59,20 @@ def angles(parameters: ImposedAngleParameters, vehicle: Vehicle, period: float) 
 
 
 @compilable
-def shown(p: ImposedAngleParameters, car: Car, c: Profile, s: ImposedAngleState, period: float) -> SteeringColumnState:
-    """The angle at this instant, and the rate that leads to that of the next one; no hand torque is known."""
+def shown(
+    p: ImposedAngleParameters, car: Car, c: Profile, s: ImposedAngleState, period: float
+) -> SteeringColumnState:
+    """The angle at this instant, and the rate that leads to the next one, without hand torque."""
     now = s.periods * period - p.delay
     angle = p.scale * value_at(c, now) + p.offset
     rate = p.scale * (value_at(c, now + period) - value_at(c, now)) / period
-    return SteeringColumnState(car.steering_ratio * angle, car.steering_ratio * rate, 0.0, angle, rate)
+    return SteeringColumnState(
+        car.steering_ratio * angle, car.steering_ratio * rate, 0.0, angle, rate
+    )
 
 
 @steering_column("imposed", parameters=ImposedAngleParameters, prepare=angles, outputs=shown)
 @compilable
 def imposed(s: ImposedAngleState, driver: DriverCommand) -> None:
-    """Stand at a road-wheel angle over time, whatever hands and road do, as a measured one is replayed."""
+    """Follow a road-wheel angle over time, whatever hands and road do, to replay a measured one."""
     s.periods += 1.0

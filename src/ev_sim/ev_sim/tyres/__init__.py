@@ -1,1 +1,1 @@
-"""Tyres: friction curves over slip, combined slip, and the carcass between rim and contact patch."""
+"""Tyres: friction curves over slip, combined slip, and the carcass between rim and contact."""

@@ -1,41 +1,69 @@
-"""Between rim and road: combined slip of the tyre, and the carcass between rim and contact patch."""
+"""Between rim and road: combined slip of the tyre, and the carcass between rim and contact patch.
+
+How it works: along and across the wheel alike, a carcass (a spring and a damper) lies in series
+with a contact that slides. The friction curve gives the contact a force over its slip; that force
+over the slip is the secant. With it the contact is a viscous element, and equal forces in carcass
+and contact give the force and the rate of the deflection (`force_and_rate`). A secant is finite at
+rest, where the slip itself is 0/0, so rest needs no case of its own.
+"""
 
 from __future__ import annotations
 
 from ev_core.law import inlined, sqrt
-from ev_core.vehicle.tyre import MfTyres, Tyre
+from ev_core.vehicle.tyre import Tyre
 from ev_sim.tyres.curve import DRY_FRICTION, SLIP_FLOOR, Coefficients, secant
-from ev_sim.tyres.mf_tyre import AtLoad, forces
+from ev_sim.tyres.mf_tyre import AtLoad, MfTyre, forces
 
 Pair = tuple[float, float]  # along and across the wheel
+
+COMBINATIONS = ("slip_vector", "uncoupled", "weighted")
+SLIP_VECTOR, UNCOUPLED, WEIGHTED = range(len(COMBINATIONS))
+
+# Transport velocity below which slip loses its meaning; far below any motion, it keeps 0/0 away.
+STILL = 1e-9
+
+# The least speed at which a contact is renewed [m/s]: at rest, too, it forgets within a second or
+# two that it has slid. An assumption: static friction comes back in about that time.
+RENEWAL = 0.05
+
+# The slip of the contact lags at least so long [s], however fast the wheel turns: steps of 1 ms
+# have to follow it.
+SHORTEST_LAG = 1e-3
+
+# How far the slip of the velocities may be ahead of that of the contact [1]: a wheel that starts to
+# turn at rest has a slip of 1 at once, while nothing slides yet. An assumption, about the slip of
+# the peak: a contact that sticks comes up to the peak of any curve, and driving above walking speed
+# hardly ever meets it.
+AHEAD = 0.1
+
+# The least speed along the wheel over the transport velocity [1]: a wheel that spins on the spot or
+# slides sideways has a slip ratio or a tangent of 50, where the formula has long come to its end.
+LEAST_ROLLING = 0.02
 
 
 @inlined
 def sensitivity(tyre: Tyre, load: float) -> float:
     """Share [1] of friction and slip stiffness over load that is left at a load [N].
 
-    1 - e (N/N_0 - 1), the usual linear term; never below zero. Source: Pacejka, Tire and Vehicle Dynamics, 3rd ed.
-    2012, eq 4.E13 has it as p_Dx2.
+    1 - e (N/N_0 - 1), the usual linear term; never below zero. Source: Pacejka, Tire and Vehicle
+    Dynamics, 3rd ed. 2012, eq 4.E13 has it as p_Dx2.
     """
     return max(1.0 - tyre.load_sensitivity * (load / tyre.nominal_load - 1.0), 0.0)
 
 
-# The least speed at which a contact is renewed [m/s]: at rest, too, it forgets within a second or two that it has slid.
-# An assumption: static friction comes back in about that time.
-RENEWAL = 0.05
-
-# The slip of the contact lags at least so long [s], however fast the wheel turns: steps of 1 ms have to follow it.
-SHORTEST_LAG = 1e-3
-
-
 @inlined
 def force_and_rate(
-    deflection: float, slip_velocity: float, transport: float, secant: float, stiffness: float, damping: float
+    deflection: float,
+    slip_velocity: float,
+    transport: float,
+    secant: float,
+    stiffness: float,
+    damping: float,
 ) -> Pair:
-    """Force of the road on the tyre [N] and rate of the deflection [m/s] of one direction, below the friction limit.
+    """Force of the road [N] and rate of the deflection [m/s] in one direction, friction unlimited.
 
-    Deflection u [m], slip velocity v [m/s], transport velocity V_t [m/s], secant stiffness f of the friction curve
-    [N], carcass stiffness k [N/m] and damping d [N s/m]. Source: Rill 2006.
+    Deflection u [m], slip velocity v [m/s], transport velocity V_t [m/s], secant stiffness f of the
+    friction curve [N], carcass stiffness k [N/m] and damping d [N s/m]. Source: Rill 2006.
     """
     spring = stiffness * deflection
     contact = 1.0 / (secant + transport * damping)
@@ -46,37 +74,31 @@ def force_and_rate(
 
 @inlined
 def slip_rate(slip: float, sliding: float, transport: float, contact_length: float) -> float:
-    """Rate of the slip S of the contact [1/s], which slides with w = v - u' at a transport velocity [m/s]."""
-    return (sliding - max(transport, RENEWAL) * slip) / (contact_length + transport * SHORTEST_LAG)
+    """Rate of the slip S of the contact [1/s].
 
-
-COMBINATIONS = ("slip_vector", "uncoupled", "weighted")
-SLIP_VECTOR, UNCOUPLED, WEIGHTED = range(len(COMBINATIONS))
-
-# Transport velocity below which slip loses its meaning; far below any motion, it only keeps 0/0 away.
-STILL = 1e-9
-
-
-# How far the slip of the velocities may be ahead of that of the contact [1]: a wheel that starts to turn at rest has a
-# slip of 1 at once, while nothing slides yet. An assumption, about the slip of the peak: a contact that sticks comes up
-# to the peak of any curve, and driving above walking speed hardly ever meets it.
-AHEAD = 0.1
+    It slides with w = v - u' [m/s] at a transport velocity [m/s].
+    """
+    renewed = max(transport, RENEWAL) * slip
+    return (sliding - renewed) / (contact_length + transport * SHORTEST_LAG)
 
 
 @inlined
-def slip_vector(tyre: Tyre, on_road: Coefficients, slid: Pair, transport: float, contact: Pair) -> Pair:
-    """Friction per longitudinal and per lateral slip [1] when both share one curve over the resulting slip.
+def slip_vector(
+    tyre: Tyre, on_road: Coefficients, slid: Pair, transport: float, contact: Pair
+) -> Pair:
+    """Friction per longitudinal and per lateral slip [1], both by one curve over their sum.
 
-    Slip velocities [m/s] over the transport velocity [m/s] give the slip vector; the tyre's `lateral_ratio` [1]
-    stretches its lateral component where it is stiffer or softer sideways. Of the resulting slip counts what is not too
-    far `AHEAD` of that of the contact [1]. Source: Kiencke & Nielsen, Automotive Control Systems, 2nd ed. 2005, wheel
-    model.
+    Slip velocities [m/s] over the transport velocity [m/s] give the slip vector; the tyre's
+    `lateral_ratio` [1] stretches its lateral component where it is stiffer or softer sideways. Of
+    the resulting slip counts what is at most `AHEAD` of that of the contact [1]. Source: Kiencke &
+    Nielsen, Automotive Control Systems, 2nd ed. 2005, wheel model.
     """
     stretched = tyre.lateral_ratio * slid[1]
+    resulting = sqrt(slid[0] * slid[0] + stretched * stretched)
     if tyre.curve == DRY_FRICTION:
-        rubbed = transport * secant(tyre.curve, sqrt(slid[0] * slid[0] + stretched * stretched), on_road)
+        rubbed = transport * secant(tyre.curve, resulting, on_road)
         return rubbed, tyre.lateral_ratio * rubbed
-    slip = sqrt(slid[0] * slid[0] + stretched * stretched) / transport
+    slip = resulting / transport
     if slip > AHEAD:
         contact_y = tyre.lateral_ratio * contact[1]
         slip = min(slip, AHEAD + sqrt(contact[0] * contact[0] + contact_y * contact_y))
@@ -85,42 +107,45 @@ def slip_vector(tyre: Tyre, on_road: Coefficients, slid: Pair, transport: float,
 
 
 @inlined
-def uncoupled(tyre: Tyre, on_road: Coefficients, slid: Pair, transport: Pair, contact: Pair) -> Pair:
-    """Friction per longitudinal and per lateral slip [1] when each direction follows the curve on its own.
+def uncoupled(
+    tyre: Tyre, on_road: Coefficients, slid: Pair, transport: Pair, contact: Pair
+) -> Pair:
+    """Friction per longitudinal and per lateral slip [1], each by the curve on its own.
 
-    Slip and transport velocities [m/s] and slips of the contact [1] of the two directions. Source: Tatar & Chudzik
-    (their F_p and F_b).
+    Slip and transport velocities [m/s] and slips of the contact [1] of the two directions. Source:
+    Tatar & Chudzik (their F_p and F_b).
     """
     ratio = tyre.lateral_ratio
-    longitudinal = secant(tyre.curve, min(abs(slid[0]) / transport[0], AHEAD + abs(contact[0])), on_road)
+    along = min(abs(slid[0]) / transport[0], AHEAD + abs(contact[0]))
     across = min(ratio * abs(slid[1]) / transport[1], AHEAD + ratio * abs(contact[1]))
+    longitudinal = secant(tyre.curve, along, on_road)
     return longitudinal, ratio * secant(tyre.curve, across, on_road)
-
-
-# The least speed along the wheel over the transport velocity [1]: a wheel that spins on the spot or slides sideways has
-# a slip ratio or a tangent of 50, where the formula has long come to its end.
-LEAST_ROLLING = 0.02
 
 
 @inlined
 def weighted(
-    tyres: MfTyres, i: int, loaded: AtLoad, slip: Pair, along: float, transport: float, contact: Pair, plain: bool
+    tyre: MfTyre, loaded: AtLoad, slip: Pair, along: float, transport: float, contact: Pair
 ) -> Pair:
-    """Force over slip along and across wheel i [N], of its tyre at its load.
+    """Force over slip along and across the wheel [N], by the Magic Formula at a load.
 
-    Slip velocities [m/s] over the transport velocity [m/s] give slips; those of the formula are over the speed `along`
-    the wheel [m/s]. As with one curve, of the resulting slip counts what is not too far `AHEAD` of that of the contact
-    [1]. `plain` is `is_plain` of the tyres.
+    Slip velocities [m/s] over the transport velocity [m/s] give slips; those of the formula are
+    over the speed `along` the wheel [m/s]. As with one curve, of the resulting slip counts what is
+    at most `AHEAD` of that of the contact [1].
     """
-    (slip_x, slip_y), (contact_x, contact_y) = slip, contact
+    slip_x, slip_y = slip
+    contact_x, contact_y = contact
     slid = max(sqrt(slip_x * slip_x + slip_y * slip_y), AHEAD * transport)
-    counted = min(slid, (AHEAD + sqrt(contact_x * contact_x + contact_y * contact_y)) * transport)
-    # What counts of the slip velocities, over what is left of the speed along the wheel, both times `slid`.
+    held = AHEAD + sqrt(contact_x * contact_x + contact_y * contact_y)
+    counted = min(slid, held * transport)
+    # What counts of the slip velocities, over what is left of the speed along the wheel, both times
+    # `slid`.
     full = slid * transport
-    rolling = max(full - counted * (transport - min(abs(along), transport)), LEAST_ROLLING * full)
+    left = full - counted * (transport - min(abs(along), transport))
+    rolling = max(left, LEAST_ROLLING * full)
     scale = counted / rolling
-    slip_ratio, tangent = max(abs(slip_x) * scale, SLIP_FLOOR), max(abs(slip_y) * scale, SLIP_FLOOR)
+    slip_ratio = max(abs(slip_x) * scale, SLIP_FLOOR)
+    tangent = max(abs(slip_y) * scale, SLIP_FLOOR)
     direction = 1.0 if slip_x * along >= 0.0 else -1.0
-    force_x, force_y = forces(tyres, i, loaded, slip_ratio, tangent, direction, plain)
+    force_x, force_y = forces(tyre, loaded, slip_ratio, tangent, direction)
     secant = full / (rolling * slip_ratio * tangent)
     return max(force_x, 0.0) * (secant * tangent), max(force_y, 0.0) * (secant * slip_ratio)

@@ -1,4 +1,4 @@
-"""The friction curves of tyres over the slip, chosen by name, their peaks, and those of softer tyres."""
+"""The friction curves of tyres over the slip, by name, their peaks, and those of softer tyres."""
 
 from __future__ import annotations
 
@@ -7,13 +7,35 @@ from typing import Any, NamedTuple
 
 from ev_core.law import atan, compilable, exp, inlined, sin
 
+# One curve over the slip each, but for dry_friction over the slip speed, and mf_tyre
+# (`mf_tyre.forces`).
+FRICTION_CURVES = (
+    "burckhardt",
+    "rational",
+    "two_exponential",
+    "magic_formula",
+    "linear",
+    "mf_tyre",
+    "dry_friction",
+)
+BURCKHARDT, RATIONAL, TWO_EXPONENTIAL, MAGIC_FORMULA, LINEAR_FRICTION, MF_TYRE, DRY_FRICTION = (
+    range(len(FRICTION_CURVES))
+)
+# Slip at which the slope of a curve at zero slip is taken: small against any peak, large against
+# rounding.
+SLIP_FLOOR = 1e-6
+# The grid in slip on which the peak is looked for: cells of so many steps first, then step by step.
+_STEP = 1e-4
+_CELL = 100
+_STEPS = 10000
+
 
 @inlined
 def burckhardt(slip: float, c1: float, c2: float, c3: float, _unused: float) -> float:
     """Friction use over slip, phi = C1 (1 - exp(-C2 S)) - C3 S.
 
-    Slip S [1] is at least 0; returns [1]. Source: dissertation, table 2.3; Kiencke & Nielsen, Automotive Control
-    Systems, 2nd ed. 2005, chapter on vehicle modelling.
+    Slip S [1] is at least 0; returns [1]. Source: dissertation, table 2.3; Kiencke & Nielsen,
+    Automotive Control Systems, 2nd ed. 2005, chapter on vehicle modelling.
     """
     return c1 * (1.0 - exp(-c2 * slip)) - c3 * slip
 
@@ -31,8 +53,9 @@ def linear(slip: float, slope: float, _second: float, _third: float, _fourth: fl
 def magic_formula(slip: float, b: float, c: float, d: float, e: float) -> float:
     """Friction use over slip, mu = D sin(C atan(B S - E (B S - atan(B S)))).
 
-    Slip S [1] is at least 0; stiffness factor B, shape factor C, peak D, curvature factor E [1]; returns [1].
-    Source: Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, section 4.3, without shifts.
+    Slip S [1] is at least 0; stiffness factor B, shape factor C, peak D, curvature factor E [1];
+    returns [1]. Source: Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, section 4.3, without
+    shifts.
     """
     bs = b * slip
     return d * sin(c * atan(bs - e * (bs - atan(bs))))
@@ -49,7 +72,9 @@ def rational(slip: float, peak: float, peak_slip: float, _third: float, _fourth:
 
 
 @inlined
-def two_exponential(slip: float, full_slip: float, rise: float, fall: float, _fourth: float) -> float:
+def two_exponential(
+    slip: float, full_slip: float, rise: float, fall: float, _fourth: float
+) -> float:
     """Friction use over slip, mu = mu_s (1 - exp(-S/S0)) (1 + exp(-S/S1)).
 
     Slip S [1] is at least 0; `full_slip` is mu_s [1], `rise` S0 and `fall` S1 [1]; returns [1].
@@ -59,11 +84,14 @@ def two_exponential(slip: float, full_slip: float, rise: float, fall: float, _fo
 
 
 @inlined
-def dry_friction(speed: float, adhesion: float, adhesion_speed: float, sliding: float, sliding_speed: float) -> float:
-    """Friction use over slip speed, which rises to `adhesion` and falls to `sliding` by cubics that end level.
+def dry_friction(
+    speed: float, adhesion: float, adhesion_speed: float, sliding: float, sliding_speed: float
+) -> float:
+    """Friction use over slip speed: it rises to `adhesion` and falls to `sliding`.
 
-    Slip speed [m/s] is at least 0; mu_A, mu_S [1] at the speeds v_A < v_S [m/s]; returns [1].
-    Source: Modelica library PlanarMechanics, DryFrictionWheelJoint and limitByStriple.
+    Both cubics end level. Slip speed [m/s] is at least 0; mu_A, mu_S [1] at the speeds v_A < v_S
+    [m/s]; returns [1]. Source: Modelica library PlanarMechanics, DryFrictionWheelJoint and
+    limitByStriple.
     """
     if speed <= adhesion_speed:
         x = speed / adhesion_speed
@@ -72,21 +100,8 @@ def dry_friction(speed: float, adhesion: float, adhesion_speed: float, sliding: 
     return 0.5 * (adhesion + sliding + (sliding - adhesion) * x * (1.5 - 0.5 * x * x))
 
 
-# One curve over the slip each, but for dry_friction over the slip speed, and mf_tyre (`mf_tyre.forces`).
-FRICTION_CURVES = ("burckhardt", "rational", "two_exponential", "magic_formula", "linear", "mf_tyre", "dry_friction")
-BURCKHARDT, RATIONAL, TWO_EXPONENTIAL, MAGIC_FORMULA, LINEAR_FRICTION, MF_TYRE, DRY_FRICTION = range(
-    len(FRICTION_CURVES)
-)
-
-# Slip at which the slope of a curve at zero slip is taken: small against any peak, large against rounding.
-SLIP_FLOOR = 1e-6
-
-# The grid in slip on which the peak is looked for: cells of so many steps first, then step by step.
-_STEP, _CELL, _STEPS = 1e-4, 100, 10000
-
-
 class Coefficients(NamedTuple):
-    """Of a friction curve, those of the curve's own module in its order."""
+    """Coefficients of a friction curve, in the order of its function."""
 
     c0: float
     c1: float
@@ -96,7 +111,10 @@ class Coefficients(NamedTuple):
 
 @inlined
 def friction(curve: float, slip: float, c: Coefficients) -> float:
-    """Friction use [1] at a slip [1], or slip speed [m/s], from 0 on, of the curve at this place of FRICTION_CURVES."""
+    """Friction use [1] at a slip [1], or slip speed [m/s], from 0 on.
+
+    The curve is a place in FRICTION_CURVES.
+    """
     if curve == BURCKHARDT:
         return burckhardt(slip, c.c0, c.c1, c.c2, c.c3)
     if curve == RATIONAL:
@@ -114,8 +132,9 @@ def friction(curve: float, slip: float, c: Coefficients) -> float:
 def secant(curve: float, slip: float, c: Coefficients) -> float:
     """Friction use divided by slip [1], finite at zero slip, never negative.
 
-    The curves are measured up to full slip; beyond it (wheel and road run against each other, or the wheel spins
-    backwards) the friction of full slip is kept, an assumption that keeps Burckhardt's straight term from pushing.
+    The curves are measured up to full slip; beyond it (wheel and road run against each other, or
+    the wheel spins backwards) the friction of full slip is kept, an assumption that keeps
+    Burckhardt's straight term from pushing.
     """
     slip = max(slip, SLIP_FLOOR)
     return friction(curve, min(slip, 1.0), c) / slip
@@ -123,20 +142,26 @@ def secant(curve: float, slip: float, c: Coefficients) -> float:
 
 @inlined
 def largest(curve: float, available: float, c: Coefficients) -> float:
-    """The largest friction use up to full slip [1], which for all curves but the line is the available friction."""
+    """Largest friction use up to full slip [1]: for all curves but the line the available one."""
     return c.c0 if curve == LINEAR_FRICTION else available
 
 
 def peak(curve: str, coefficients: tuple[float, float, float, float]) -> float:
-    """The largest friction use up to full slip [1], the available friction; on a grid of 1e-4 in slip."""
-    return friction(FRICTION_CURVES.index(curve), peak_slip(curve, coefficients), Coefficients(*coefficients))
+    """Largest friction use up to full slip [1], the available friction.
+
+    It is found on a grid of 1e-4 in slip.
+    """
+    return friction(
+        FRICTION_CURVES.index(curve), peak_slip(curve, coefficients), Coefficients(*coefficients)
+    )
 
 
 @cache
 def peak_slip(curve: str, coefficients: tuple[float, float, float, float]) -> float:
-    """The slip [1] of the largest friction use, on the grid of `peak`; 1 for a curve that only rises.
+    """Slip [1] of the largest friction use, on the grid of `peak`; 1 for a curve that only rises.
 
-    The curves rise to one peak and then fall: around the highest of every hundredth point lies the highest of all.
+    The curves rise to one peak and then fall: around the highest of every hundredth point lies the
+    highest of all.
     """
     of, c = FRICTION_CURVES.index(curve), Coefficients(*coefficients)
 
@@ -149,9 +174,10 @@ def peak_slip(curve: str, coefficients: tuple[float, float, float, float]) -> fl
 
 @compilable
 def soften(curve: float, tyre: Any, share: float) -> None:
-    """Let a record with the coefficients c0 to c3 of a curve give at a slip what it gave at `share` [1] of it.
+    """Soften a tyre: give at a slip what it gave at `share` [1] of it.
 
-    The slope at zero slip is `share` of what it was, the peak is as high as before.
+    The record has the coefficients c0 to c3 of the curve. The slope at zero slip is `share` of what
+    it was, the peak is as high as before.
     """
     if curve == BURCKHARDT:
         tyre.c1 *= share

@@ -31,7 +31,7 @@ def moved(command):
     ],
 )
 def test_impossible_commands_are_counted_and_not_taken(command, accepted, counts):
-    """As in the planar plant: no torque at wheels without a motor, 0 for what is not finite, else the nearest limit."""
+    """Wheels without a motor get no torque, what is not finite gives 0, everything else the nearest limit."""
     assert moved(command) == (moved(accepted)[0], counts)
 
 

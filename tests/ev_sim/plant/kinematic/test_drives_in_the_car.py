@@ -1,4 +1,4 @@
-"""What the drives of the kinematic plant give, in each depth of detail."""
+"""Drives of the kinematic plant give, in each depth of detail."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from ev_sim.drives.drive import DRIVE_MODELS
 
 @pytest.mark.parametrize("drive", DRIVE_MODELS[1:])
 def test_car_with_real_drives_moves_like_one_with_ideal_drives(drive):
-    """To 15 km/h in 4 s; 1 % is what commutation takes from the torque up to this speed."""
+    """The car reaches 15 km/h in 4 s; 1 % is what commutation takes from the torque up to this speed."""
     command = torque(1400.0 * 15 / 3.6 / 4 * 0.294 + ROLLING_TORQUE)
     ideal = Car(drive="ideal").drive(command, steps=400)
     assert ideal.speed == pytest.approx(15 / 3.6, rel=0.01)

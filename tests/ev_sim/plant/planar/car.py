@@ -54,14 +54,14 @@ STRAIGHT = steered(0.0)
 
 
 def kinetic_energy(state: np.ndarray, car: Vehicle = CAR) -> float:
-    """Of body and wheels with their rotors [J]."""
+    """Kinetic energy of body and wheels with their rotors [J]."""
     wheels = float(np.sum(np.array(body_constants(car).wheel_inertia) * state[WHEEL_SPEED : WHEEL_SPEED + 4] ** 2))
     body = car.mass * (state[VX] ** 2 + state[VY] ** 2) + car.yaw_inertia * state[YAW_RATE] ** 2
     return 0.5 * float(wheels + body)
 
 
 def elastic_energy(state: np.ndarray, car: Vehicle = CAR) -> float:
-    """Of the carcasses [J]."""
+    """Elastic energy of the carcasses [J]."""
     along, across = state[DEFLECTION_X : DEFLECTION_X + 4], state[DEFLECTION_Y : DEFLECTION_Y + 4]
     tyre = car.tyre
     return 0.5 * float(tyre.longitudinal_stiffness * np.sum(along**2) + tyre.lateral_stiffness * np.sum(across**2))

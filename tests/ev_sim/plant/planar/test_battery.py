@@ -74,7 +74,7 @@ def test_blended_braking_stops_the_car_alike_and_gains_energy():
 @pytest.mark.parametrize("pedal", [0.0, 60.0, -60.0])
 @pytest.mark.parametrize("speed", [15.0, -5.0])
 def test_blended_brakes_are_exactly_as_strong_as_asked(speed, pedal):
-    """At held speed, when the lag of the motors is over, each tyre has the force that friction brakes alone give it."""
+    """Each tyre has, at held speed and behind the lag of the motors, the force that friction brakes alone give it."""
     forces = []
     for blended in (False, True):
         held = plant(Vehicle(blend_brakes=blended), initial_speed=speed, speed="held")

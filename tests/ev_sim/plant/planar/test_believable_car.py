@@ -1,4 +1,4 @@
-"""The car with real tyres, roll stiffness and compliance: it steers as the linear model of its own tyres says."""
+"""The car with real tyres, roll stiffness and compliance: it steers as the linear model of its own tyres does."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_it_understeers_as_cars_do():
 
 
 def test_damping_is_that_of_the_single_track(fast):
-    """Of the yaw motion, frequency and damping ratio within 1 %: the plant's contact slip lags on top (0.8 %)."""
+    """Frequency and damping ratio of the yaw motion agree within 1 %: the plant's contact slip lags on top (0.8 %)."""
     ratio, frequency = yaw_damping(single_track(COASTING, 25.0))
     pole = next(p for p in sorted(np.linalg.eigvals(fast.system.A), key=lambda p: -p.real) if p.imag > 0.0)
     assert abs(pole) == pytest.approx(frequency, rel=0.01)

@@ -23,7 +23,7 @@ NO_LIMIT = 1e9
 
 
 def tyre_stiffness(arm: float) -> float:
-    """Of each of the two tyres [N/rad] of an axle whose load is m g arm/L."""
+    """Stiffness of each of the two tyres [N/rad] of an axle under the load m g arm/L."""
     return PER_LOAD * MASS * GRAVITY * arm / BASE / 2
 
 

@@ -179,7 +179,7 @@ def test_engine_at_full_load_stalls_where_the_converter_takes_its_torque():
 
 
 def test_engine_gives_what_is_asked_and_loses_what_gear_and_converter_take():
-    """At a held speed, in steady state: losses = slip of the converter, 5 % in the gear, 4 % in the final drive."""
+    """Losses at a held speed, in steady state, = slip of the converter, 5 % in the gear, 4 % in the final drive."""
     car = plant(engine_car(), initial_speed=20.0, speed="held")
     drive(car, 5.0, Wheels.all(150.0))
     before = car.state.copy()
@@ -272,7 +272,7 @@ def test_every_law_says_which_driveline_it_can_drive(vehicle, laws):
 
 @pytest.mark.parametrize(("law", "group"), [("pi_slip", "regulator.limp"), ("slip_window", "limp")])
 def test_traction_controls_take_every_driveline_but_not_with_a_limp_mode(law, group):
-    """A wheel whose partner hangs on the same motor tells nothing of a lost one."""
+    """A wheel shows nothing of a lost motor that drives its partner as well."""
     values = {f"vehicle.{name}": value for name, value in _told("centre_dccd").items()}
     configure("asr", {"method": law, **values})
     with pytest.raises(ParameterError, match=rf"needs a motor or a clutch for each driven wheel for {group}.watch"):
@@ -292,7 +292,7 @@ def test_wheels_of_their_own():
 @pytest.mark.parametrize("vehicle", CARS)
 @pytest.mark.parametrize("manoeuvre", MANOEUVRES)
 def test_power_balance_closes_in_every_standard_manoeuvre(vehicle, manoeuvre):
-    """What battery and engine give = losses + what they store + work at the wheels; that = motion + what roads take."""
+    """Battery and engine give: losses + what they store + work at the wheels; that = motion + what roads take."""
     (run, *_) = load_scenario(manoeuvre, Overrides(vehicle=vehicle)).runs
     duration = run.duration if manoeuvre == "hill_start" else min(run.duration, 20.0)
     end = DrivenPlant(run.configurations["plant"], run_offline(run.configurations, duration))

@@ -45,7 +45,7 @@ def with_cells(**values) -> Vehicle:
 @pytest.mark.parametrize("speed", [5.0, FAST])
 @pytest.mark.parametrize("torque", [600.0, -600.0])
 def test_electrical_power_is_mechanical_power_and_losses(speed, torque):
-    """At held speed, with and without weakened field: what the battery gives is what the inverters take.
+    """The battery gives what the inverters take, at held speed, with and without weakened field.
 
     1e-6, because voltage and current of the battery are single precision numbers, and because over 1 ms its voltage,
     and with it the weakening current, hardly moves.
@@ -116,7 +116,7 @@ def test_heat_takes_torque_away_and_never_turns_it_around(torque):
 
 
 def test_the_voltage_of_the_cells_limits_the_torque():
-    """At full pedal beyond the base speed: the envelope at the battery's own voltage, which still relaxes slowly."""
+    """Full pedal beyond the base speed gives the envelope at the battery's own voltage, which relaxes slowly."""
     torques = {}
     motor = dataclasses.replace(MOTOR, peak_power=1e6)
     for cells in (206, 103):

@@ -14,7 +14,7 @@ from ev_sim.plant.planar.planar_state import VX, VY, WHEEL_SPEED, YAW_RATE, inde
 
 
 def test_energy_never_grows():
-    """From 64 random states, torque zero and resistance off: kinetic energy and that of the carcasses only fall.
+    """Kinetic energy and that of the carcasses only fall, from 64 random states without torque and resistance.
 
     The carcasses start unloaded, so the kinetic energy never comes back above its start.
     """

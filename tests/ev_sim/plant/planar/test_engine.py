@@ -16,7 +16,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import Driveline
 from ev_core.vehicle.motor import Engine, Gearbox
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.drives.driveline import EngineState, advance_engine
+from ev_sim.drives.driveline import EngineState, GearboxLoad, advance_engine
 from ev_sim.plant.planar.planar_state import VX, WHEEL_SPEED, index
 from ev_stack.recording.offline import run_offline
 from ev_stack.scenarios.scenario import Overrides, load_scenario
@@ -143,7 +143,7 @@ def test_a_gear_stays_in_for_its_dwell_at_any_step(n):
     shifts = []
     for step in range(round(1.1 * engine.gearbox.dwell / h)):
         before = s.gear
-        advance_engine(s, engine, (1.0,) * 5, 0.0, shaft, 0.0, h)
+        advance_engine(s, engine, (1.0,) * 5, GearboxLoad(0.0, shaft, 0.0), h)
         shifts += [step] if s.gear != before else []
     assert shifts == [0, round(engine.gearbox.dwell / h)]
 

@@ -14,7 +14,7 @@ from ev_sim.profiles.profile import profile_of, value_at
 
 
 def test_held_speed_is_held_by_a_force_that_neither_turns_nor_pitches_the_car():
-    """To the bit; on a level straight road it takes the force of the tyres but for the drag, which alone pitches."""
+    """The speed holds to the bit; a level straight road takes the tyres' force but for drag, which alone pitches."""
     held = plant(initial_speed=10.0, speed="held")
     for _ in range(300):
         held.advance(command(drive=(300.0, 300.0, 0.0, 0.0)), STRAIGHT)
@@ -32,7 +32,7 @@ def test_held_speed_is_held_by_a_force_that_neither_turns_nor_pitches_the_car():
 
 
 def test_imposed_speed_follows_its_profile():
-    """At every period to rounding, in a bend and whatever the drives do; the accelerometer feels it."""
+    """The speed is that of the profile to rounding, in a bend and with any drives; the accelerometer feels it."""
     parameters, inputs = MANOEUVRES["imposed speed"]
     car = plant(**parameters)
     profile = profile_of(parameters["imposed_speed__time"], parameters["imposed_speed__speed"], "linear")

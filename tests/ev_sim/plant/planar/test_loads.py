@@ -88,7 +88,7 @@ def test_ackermann(angle):
 
 @given(base=st.floats(0.3, 12.0), track=st.floats(0.2, 4.0), angle=st.floats(0.01, 1.4))
 def test_no_front_wheel_of_an_accepted_car_turns_over(base, track, angle):
-    """With the centre of the turn between the wheels eq 8 turns the inner one by 180 deg: such cars are refused."""
+    """Cars with a centre of the turn between the wheels, where eq 8 turns the inner one by 180 deg, are refused."""
     car = {"wheelbase": base, "centre_of_mass_to_rear_axle": base / 2.0, "front_track": track, "rear_track": track}
     across = 0.5 * track * math.tan(angle) / base
     assume(abs(across - 1.0) > 1e-9)

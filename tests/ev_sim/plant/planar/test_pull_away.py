@@ -32,7 +32,7 @@ class Hill:
         return self.car.rolling_resistance + SURFACES[self.surface].rolling_resistance
 
     def axle_shares(self, force: float) -> tuple[float, float]:
-        """Of the load, on front and rear, under tyre forces [1] of the load in the direction of travel."""
+        """Shares of the load on front and rear axle, under tyre forces [1] of the load in the direction of travel."""
         moved = self.car.centre_of_mass_height * force * self.direction
         front = (self.car.centre_of_mass_to_rear_axle - moved) / self.car.wheelbase
         return front, 1.0 - front
@@ -111,7 +111,7 @@ def test_above_the_peak_the_wheels_spin(hill):
 
 
 def test_full_slip_alone_would_not_do():
-    """On dry road and packed snow the grades above need more than the friction of full slip."""
+    """The grades above need, on dry road and packed snow, more than the friction of full slip."""
     for surface in ("dry_asphalt", "packed_snow_1"):
         hill, of = Hill(CAR, surface, 1.0), SURFACES[surface]
         force = 0.97 * hill.steepest() + hill.rolling

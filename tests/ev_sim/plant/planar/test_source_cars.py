@@ -1,4 +1,4 @@
-"""What a source's own car leaves out or adds: options of the vehicle and of the start."""
+"""Options of the vehicle and of the start by which a source's own car differs."""
 
 from __future__ import annotations
 

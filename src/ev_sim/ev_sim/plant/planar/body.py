@@ -1,12 +1,19 @@
-"""Newton-Euler for the body in the plane and its four wheels, with their loads and steering angles.
+"""Newton-Euler for the body in the plane and its four wheels, with loads and steering angles.
 
-Frame: x forward, y left, z up, at the centre of mass. Equations: dissertation, eqs 2.20-2.26, and Ge & Ni 2005, with
-the signs of one right-handed frame.
+Frame: x forward, y left, z up, at the centre of mass. Equations: dissertation, eqs 2.20-2.26, and
+Ge & Ni 2005, with the signs of one right-handed frame.
+
+How it works: `rates` is the right-hand side f(y) of one system of differential equations: body,
+loads, wheels, carcasses, contacts, and the works of all forces. `integrate` takes one step of the
+classical Runge-Kutta method. Dry friction is set-valued at rest, so the first evaluation of a step
+decides which direction it opposes at each wheel, and the other three keep to it. All sums go over
+left and right first: a mirrored state has exactly mirrored rates.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +23,8 @@ from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.car import car_numbers, front_wheel_tangents
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.contact import find_road, look, speed_resistance, within_friction
-from ev_sim.plant.planar.given import SPEED_FREE, BodyConstants, PlanarParameters, body_constants
+from ev_sim.plant.planar.given import SPEED_FREE, PlanarParameters, body_constants
+from ev_sim.plant.planar.model import Mechanics
 from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE, WHEEL_SPEED, Row, Step
 from ev_sim.plant.planar.prepare import road_tables
 from ev_sim.tyres.contact_patch import force_and_rate, slip_rate
@@ -26,8 +34,8 @@ from ev_sim.tyres.contact_patch import force_and_rate, slip_rate
 def steer(car: Car, step: Step, angle: float, apart: float) -> None:
     """Set the direction of the wheels from the mean road-wheel angle of the front ones [rad].
 
-    Both rear wheels follow it by the vehicle's `rear_steering_ratio`, 0 for straight ones, and an actuator of their own
-    may turn them `apart` from that [rad]. Source: Ge & Ni 2005, eq 3.
+    Both rear wheels follow it by the vehicle's `rear_steering_ratio`, 0 for straight ones, and an
+    actuator of their own may turn them `apart` from that [rad]. Source: Ge & Ni 2005, eq 3.
     """
     cos_left, sin_left, cos_right, sin_right = front_wheels(car, angle)
     step.cos_steer[0], step.sin_steer[0] = cos_left, sin_left
@@ -39,8 +47,13 @@ def steer(car: Car, step: Step, angle: float, apart: float) -> None:
 
 @inlined
 def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
-    """Cosine and sine of the left, cosine and sine of the right front wheel's angle; `angle` is their mean [rad]."""
-    left, right = front_wheel_tangents(tan(angle), car.wheelbase, car.front_track, car.steering_geometry)
+    """Cosine and sine of the angle of the left, then of the right front wheel.
+
+    `angle` is the mean of both [rad].
+    """
+    left, right = front_wheel_tangents(
+        tan(angle), car.wheelbase, car.front_track, car.steering_geometry
+    )
     cos_left = 1.0 / sqrt(1.0 + left * left)
     cos_right = 1.0 / sqrt(1.0 + right * right)
     return cos_left, left * cos_left, cos_right, right * cos_right
@@ -48,22 +61,24 @@ def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
 
 @inlined
 def loads(y: Row, car: Car, gravity_z: float) -> Wheels:
-    """Loads of the four wheels [N] in a state, under gravity that presses the car on the road [m/s^2]."""
-    pitch_arm, roll_arm = car.pitch_height * car.mass, car.roll_height * car.mass
-    return wheel_loads(car, car.mass * gravity_z, pitch_arm * y[state.TRANSFER_X], roll_arm * y[state.TRANSFER_Y])
+    """Loads of the four wheels [N] under gravity that presses the car on the road [m/s^2]."""
+    pitch_moment = car.pitch_height * car.mass * y[state.TRANSFER_X]
+    roll_moment = car.roll_height * car.mass * y[state.TRANSFER_Y]
+    return wheel_loads(car, car.mass * gravity_z, pitch_moment, roll_moment)
 
 
 @inlined
 def wheel_loads(car: Car, normal: float, pitch_moment: float, roll_moment: float) -> Wheels:
     """Loads of the four wheels [N]; their sum is always `normal`, none is below zero.
 
-    `normal` [N] presses the car on the road; `pitch_moment` and `roll_moment` [N m] are the moments of the tyre
-    forces about the centre of mass that unload the front axle and the left wheels. What an axle cannot take of its
-    part of the roll moment, because a wheel has lifted, goes to the other axle (rigid frame).
-    Source: Ge & Ni 2005, loads N_1..N_4; dissertation, eqs 2.28-2.31.
+    `normal` [N] presses the car on the road; `pitch_moment` and `roll_moment` [N m] are the moments
+    of the tyre forces about the centre of mass that unload the front axle and the left wheels. The
+    part of the roll moment that an axle cannot take, because a wheel has lifted, goes to the other
+    axle (rigid frame). Source: Ge & Ni 2005, loads N_1..N_4; dissertation, eqs 2.28-2.31.
     """
     offset, share = car.centre_of_mass_offset, car.front_roll_share
-    front = min(max((normal * car.centre_of_mass_to_rear_axle - pitch_moment) / car.wheelbase, 0.0), normal)
+    front = (normal * car.centre_of_mass_to_rear_axle - pitch_moment) / car.wheelbase
+    front = min(max(front, 0.0), normal)
     rear = normal - front
     # The moment that an axle takes before a wheel lifts.
     front_limit = 0.5 * front * car.front_track
@@ -90,80 +105,132 @@ def _within(value: float, limit: float) -> float:
     return min(max(value, -limit), limit)
 
 
-@inlined
-def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, step: Step, starts: bool) -> None:
-    """Time derivative of the integrated part `y` of the state, into `dy`; forces and slips go into `step`.
+class OfWheel(NamedTuple):
+    """Force of a wheel on the body, in the frame of the body, its moment, and powers."""
 
-    Dry friction (brakes and rolling resistance, set-valued at rest) opposes one direction during a step; an evaluation
-    that `starts` a step decides which: that of the wheel's rotation, for a resting wheel that of the torque if it
-    exceeds the friction, else the wheel is held. Sums go over left and right first, so that a mirrored state has
-    exactly mirrored rates.
+    x: float  # [N]
+    y: float  # [N]
+    moment: float  # about the centre of mass [N m]
+    tyre_power: float  # taken by the tyre, in slip and carcass [W]
+    friction_power: float  # taken by brake and rolling resistance [W]
+
+
+@inlined
+def rates(y: Row, dy: Row, mechanics: Mechanics, starts: bool) -> None:
+    """Set `dy` to the time derivative of the integrated part `y` of the state.
+
+    Forces and slips go into the step. An evaluation that `starts` a step decides which direction
+    dry friction opposes during it: that of the wheel's rotation, for a resting wheel that of the
+    torque if it exceeds the friction, else the wheel is held.
     """
-    vx, vy, yaw_rate = y[state.VX], y[state.VY], y[state.YAW_RATE]
-    load = loads(y, car, step.gravity_z)
-    step.load[0], step.load[1], step.load[2], step.load[3] = load
+    _, car, body, step = mechanics
+    vx = y[state.VX]
+    step.load[0], step.load[1], step.load[2], step.load[3] = loads(y, car, step.gravity_z)
     look(y, car, body, step, starts)
-    at = step.contact
     rolling = car.constant_rolling_resistance + car.rolling_resistance_growth * vx * vx
-    length = car.tyre.contact_length
-    stiffness_x, stiffness_y = car.tyre.longitudinal_stiffness, car.tyre.lateral_stiffness
-    # Forces and powers of the wheels, summed as (front left + front right) + (rear left + rear right).
+    # Forces and powers of the wheels, summed as (front left + front right) + (rear left + rear
+    # right).
     sum_x = sum_y = moment = tyre_power = friction_power = 0.0
     for axle in range(2):
         axle_x = axle_y = axle_moment = axle_tyre_power = axle_friction_power = 0.0
         for side in range(2):
-            i = 2 * axle + side
-            wheel_speed, slip_x, slip_y = at.wheel_speed[i], at.slip_x[i], at.slip_y[i]
-            transport_x, transport_y = at.transport_x[i], at.transport_y[i]
-            normal, radius = step.load[i], step.radius[i]
-            deflection_x, deflection_y = y[state.DEFLECTION_X + i], y[state.DEFLECTION_Y + i]
-            along_force, rate_x = force_and_rate(
-                deflection_x, slip_x, transport_x, at.secant_x[i], stiffness_x, body.damping_x
-            )
-            across_force, rate_y = force_and_rate(
-                deflection_y, slip_y, transport_y, at.secant_y[i], stiffness_y, body.damping_y
-            )
-            scale_x, scale_y = within_friction(car, at, i, along_force, across_force)
-            if scale_x < 1.0:
-                along_force *= scale_x
-                rate_x = (along_force - stiffness_x * deflection_x) / body.damping_x
-            if scale_y < 1.0:
-                across_force *= scale_y
-                rate_y = (across_force - stiffness_y * deflection_y) / body.damping_y
-            dy[state.DEFLECTION_X + i], dy[state.DEFLECTION_Y + i] = rate_x, rate_y
-            dy[state.SLIP_X + i] = slip_rate(y[state.SLIP_X + i], slip_x - rate_x, transport_x, length)
-            dy[state.SLIP_Y + i] = slip_rate(y[state.SLIP_Y + i], slip_y - rate_y, transport_y, length)
-            step.force_x[i], step.force_y[i] = along_force, across_force
-
-            torque = step.drive[i] - radius * along_force
-            dry = step.brake[i] + radius * normal * (rolling + step.tyre[i].rolling_resistance)
-            if starts:
-                decide_motion(step, i, wheel_speed, torque, dry)
-            if step.held[i] == 1.0:
-                dy[state.WHEEL_SPEED + i] = 0.0
-            else:
-                dy[state.WHEEL_SPEED + i] = (torque - step.motion[i] * dry) / body.wheel_inertia[i]
-            dy[state.WHEEL_ANGLE + i] = wheel_speed
-            dy[state.DISTANCE + i] = at.along[i]
-
-            body_x = along_force * at.cosine[i] - across_force * at.sine[i]
-            body_y = along_force * at.sine[i] + across_force * at.cosine[i]
-            axle_x += body_x
-            axle_y += body_y
-            axle_moment += body.wheel_x[i] * body_y - body.wheel_y[i] * body_x
-            axle_tyre_power += along_force * slip_x + across_force * slip_y
-            axle_friction_power += step.motion[i] * dry * wheel_speed
+            wheel = _turn_wheel(y, dy, mechanics, 2 * axle + side, rolling, starts)
+            axle_x += wheel.x
+            axle_y += wheel.y
+            axle_moment += wheel.moment
+            axle_tyre_power += wheel.tyre_power
+            axle_friction_power += wheel.friction_power
         sum_x += axle_x
         sum_y += axle_y
         moment += axle_moment
         tyre_power += axle_tyre_power
         friction_power += axle_friction_power
+    dy[state.TYRE_WORK] = tyre_power
+    dy[state.FRICTION_WORK] = friction_power
+    _move_body(y, dy, mechanics, sum_x / car.mass, sum_y / car.mass)
+    dy[state.YAW_RATE] = moment / car.yaw_inertia
 
-    specific_x, specific_y = sum_x / car.mass, sum_y / car.mass
+
+@inlined
+def _turn_wheel(
+    y: Row, dy: Row, mechanics: Mechanics, i: int, rolling: float, starts: bool
+) -> OfWheel:
+    """Set the rates of wheel i, its carcass and its contact; what it does to the body.
+
+    `rolling` is the rolling resistance of the tyre [1], without that of the surface.
+    """
+    body, step = mechanics.body, mechanics.step
+    at, wheel_speed = step.contact, step.contact.wheel_speed[i]
+    along_force, across_force = _tyre_forces(y, dy, mechanics, i)
+    step.force_x[i] = along_force
+    step.force_y[i] = across_force
+
+    radius = step.radius[i]
+    torque = step.drive[i] - radius * along_force
+    dry = step.brake[i] + radius * step.load[i] * (rolling + step.tyre[i].rolling_resistance)
+    if starts:
+        decide_motion(step, i, wheel_speed, torque, dry)
+    if step.held[i] == 1.0:
+        dy[state.WHEEL_SPEED + i] = 0.0
+    else:
+        dy[state.WHEEL_SPEED + i] = (torque - step.motion[i] * dry) / body.wheel_inertia[i]
+    dy[state.WHEEL_ANGLE + i] = wheel_speed
+    dy[state.DISTANCE + i] = at.along[i]
+
+    body_x = along_force * at.cosine[i] - across_force * at.sine[i]
+    body_y = along_force * at.sine[i] + across_force * at.cosine[i]
+    return OfWheel(
+        body_x,
+        body_y,
+        body.wheel_x[i] * body_y - body.wheel_y[i] * body_x,
+        along_force * at.slip_x[i] + across_force * at.slip_y[i],
+        step.motion[i] * dry * wheel_speed,
+    )
+
+
+@inlined
+def _tyre_forces(y: Row, dy: Row, mechanics: Mechanics, i: int) -> tuple[float, float]:
+    """Forces along and across wheel i [N]; sets the rates of its carcass and of its contact."""
+    _, car, body, step = mechanics
+    at, length = step.contact, car.tyre.contact_length
+    stiffness_x, stiffness_y = car.tyre.longitudinal_stiffness, car.tyre.lateral_stiffness
+    slip_x, slip_y = at.slip_x[i], at.slip_y[i]
+    transport_x, transport_y = at.transport_x[i], at.transport_y[i]
+    deflection_x, deflection_y = y[state.DEFLECTION_X + i], y[state.DEFLECTION_Y + i]
+    along_force, rate_x = force_and_rate(
+        deflection_x, slip_x, transport_x, at.secant_x[i], stiffness_x, body.damping_x
+    )
+    across_force, rate_y = force_and_rate(
+        deflection_y, slip_y, transport_y, at.secant_y[i], stiffness_y, body.damping_y
+    )
+    # Beyond its friction the contact slides with the largest force, and the carcass unwinds.
+    scale_x, scale_y = within_friction(car, at, i, along_force, across_force)
+    if scale_x < 1.0:
+        along_force *= scale_x
+        rate_x = (along_force - stiffness_x * deflection_x) / body.damping_x
+    if scale_y < 1.0:
+        across_force *= scale_y
+        rate_y = (across_force - stiffness_y * deflection_y) / body.damping_y
+    dy[state.DEFLECTION_X + i] = rate_x
+    dy[state.DEFLECTION_Y + i] = rate_y
+    dy[state.SLIP_X + i] = slip_rate(y[state.SLIP_X + i], slip_x - rate_x, transport_x, length)
+    dy[state.SLIP_Y + i] = slip_rate(y[state.SLIP_Y + i], slip_y - rate_y, transport_y, length)
+    return along_force, across_force
+
+
+@inlined
+def _move_body(y: Row, dy: Row, mechanics: Mechanics, specific_x: float, specific_y: float) -> None:
+    """Set the rates of the body but its yaw, under tyre forces over its mass [m/s^2]."""
+    p, car, body, step = mechanics
+    vx = y[state.VX]
+    vy = y[state.VY]
+    yaw_rate = y[state.YAW_RATE]
     drag = speed_resistance(car, body, vx)
     dy[state.DRAG_WORK] = drag * vx
     step.acceleration_x = specific_x - drag / car.mass + step.gravity_x
-    holding = 0.0  # [N/kg], in the plane of the road below the centre of mass: it neither turns nor pitches the car
+    # The force that holds a speed [N/kg] acts in the plane of the road below the centre of mass: it
+    # neither turns nor pitches the car.
+    holding = 0.0
     if p.speed != SPEED_FREE:
         wanted = step.imposed_acceleration - yaw_rate * vy
         holding = wanted - step.acceleration_x
@@ -175,27 +242,28 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
         dy[state.DRAG_WORK] += side_drag * vy
     dy[state.VX] = step.acceleration_x + yaw_rate * vy
     dy[state.VY] = step.acceleration_y - yaw_rate * vx
-    dy[state.YAW_RATE] = moment / car.yaw_inertia
     dy[state.HEADING] = yaw_rate
     dy[state.TRANSFER_X] = (specific_x + holding - y[state.TRANSFER_X]) / p.load_transfer_lag
     roll_lag = car.suspension.roll_lag if car.suspension.roll_lag > 0.0 else p.load_transfer_lag
     dy[state.TRANSFER_Y] = (specific_y - y[state.TRANSFER_Y]) / roll_lag
     dy[state.BODY_DISTANCE] = vx
-    dy[state.TYRE_WORK] = tyre_power
-    dy[state.FRICTION_WORK] = friction_power
     dy[state.GRAVITY_WORK] = -car.mass * (step.gravity_x * vx + step.gravity_y * vy)
     dy[state.HOLDING_WORK] = -car.mass * holding * vx
 
 
 @inlined
-def push_at_wheels(p: PlanarParameters, car: Car, body: BodyConstants, y: Row, step: Step) -> None:
-    """Add to the torques at the wheels what the imposed speed asks of mass and drag [N], as driver and brakes would.
+def push_at_wheels(y: Row, mechanics: Mechanics) -> None:
+    """Add to the torques at the wheels what the imposed speed asks of mass and drag [N].
 
-    Driven wheels share it alike while it drives, the axles by their shares while it brakes. No wheel gets more than the
-    side force that its carcass holds leaves of its friction: it neither spins nor locks.
+    A driver with motors and brakes would do the same. Driven wheels share it alike while it drives,
+    the axles by their shares while it brakes. No wheel gets more than the side force that its
+    carcass holds leaves of its friction: it neither spins nor locks.
     """
+    p, car, body, step = mechanics
     vx = y[state.VX]
-    force = car.mass * (step.imposed_acceleration - y[state.YAW_RATE] * y[state.VY] - step.gravity_x)
+    force = car.mass * (
+        step.imposed_acceleration - y[state.YAW_RATE] * y[state.VY] - step.gravity_x
+    )
     force += speed_resistance(car, body, vx)
     step.load[0], step.load[1], step.load[2], step.load[3] = loads(y, car, step.gravity_z)
     look(y, car, body, step, True)
@@ -215,7 +283,7 @@ def push_at_wheels(p: PlanarParameters, car: Car, body: BodyConstants, y: Row, s
 
 @inlined
 def book_push(y: Row, step: Step) -> None:
-    """Take what `push_at_wheels` added out of the drive torques of a step, whose work is that of the motors."""
+    """Take what `push_at_wheels` added out of the drive torques: no motor gave it."""
     for i in range(4):
         y[state.HOLDING_WORK] -= step.pushed[i] * step.turned[i]
         step.drive[i] -= step.pushed[i]
@@ -223,9 +291,10 @@ def book_push(y: Row, step: Step) -> None:
 
 @inlined
 def decide_motion(step: Step, i: int, wheel_speed: float, torque: float, dry: float) -> None:
-    """Which direction dry friction opposes at wheel i during this step (Coulomb's law, set-valued at rest).
+    """Decide which direction dry friction opposes at wheel i during this step.
 
-    `torque` and `dry` are the other torques and the largest friction torque on the wheel [N m].
+    Coulomb's law is set-valued at rest. `torque` and `dry` are the other torques and the largest
+    friction torque on the wheel [N m].
     """
     step.held[i] = 0.0
     if dry == 0.0:
@@ -240,23 +309,28 @@ def decide_motion(step: Step, i: int, wheel_speed: float, torque: float, dry: fl
 
 
 @inlined
-def integrate(y: Row, p: PlanarParameters, car: Car, body: BodyConstants, step: Step, h: float) -> None:
+def integrate(y: Row, mechanics: Mechanics, h: float) -> None:
     """Advance the integrated part of the state in place by h [s].
 
     A wheel that dry friction has stopped within the step ends it at rest, exactly.
     """
+    step = mechanics.step
     stages = step.stages
-    stage, k1, k2, k3, k4 = stages.state, stages.k1, stages.k2, stages.k3, stages.k4
-    rates(y, k1, p, car, body, step, True)
+    stage = stages.state
+    k1 = stages.k1
+    k2 = stages.k2
+    k3 = stages.k3
+    k4 = stages.k4
+    rates(y, k1, mechanics, True)
     for n in range(INTEGRATED_SIZE):
         stage[n] = y[n] + 0.5 * h * k1[n]
-    rates(stage, k2, p, car, body, step, False)
+    rates(stage, k2, mechanics, False)
     for n in range(INTEGRATED_SIZE):
         stage[n] = y[n] + 0.5 * h * k2[n]
-    rates(stage, k3, p, car, body, step, False)
+    rates(stage, k3, mechanics, False)
     for n in range(INTEGRATED_SIZE):
         stage[n] = y[n] + h * k3[n]
-    rates(stage, k4, p, car, body, step, False)
+    rates(stage, k4, mechanics, False)
     for n in range(INTEGRATED_SIZE):
         y[n] += h / 6.0 * ((k1[n] + k4[n]) + 2.0 * (k2[n] + k3[n]))
     for i in range(4):
@@ -265,34 +339,40 @@ def integrate(y: Row, p: PlanarParameters, car: Car, body: BodyConstants, step: 
 
 
 class Equations:
-    """The integrated part of the plant under torques, a steering angle and a road that stay as they are given.
+    """The integrated part of the plant under torques, a steering angle and a road that stay.
 
-    y are the numbers that `state.INTEGRATED` names, shape (INTEGRATED_SIZE,). Everything is compiled.
+    y are the numbers that `state.INTEGRATED` names, shape (INTEGRATED_SIZE,). Everything is
+    compiled.
     """
 
     def __init__(self, parameters: PlanarParameters, vehicle: Vehicle) -> None:
-        self._car, self._body = one_record(car_numbers(vehicle))[0], one_record(body_constants(vehicle))[0]
+        self._car = one_record(car_numbers(vehicle))[0]
+        self._body = one_record(body_constants(vehicle))[0]
         self._step = one_record(Step())[0]
-        self._model = (one_record(number_tree(parameters))[0], self._car, self._body, self._step)
+        numbers = one_record(number_tree(parameters))[0]
+        self._mechanics = Mechanics(numbers, self._car, self._body, self._step)
         road = road_tables(parameters.road, vehicle)
         self._road = type(road)(*(type(table)(*map(np.array, table)) for table in road))
-        self._rates, self._advance, self._hold, self._look = map(compiled, (rates, integrate, steer, find_road))
+        self._rates, self._advance = compiled(rates), compiled(integrate)
+        self._hold, self._look = compiled(steer), compiled(find_road)
 
     def look(self, y: np.ndarray) -> None:
         """Take the road from where the car is now."""
         self._look(y, self._body, self._step, self._road, True)
 
-    def hold(self, angle: float, drive: Sequence[float] = NO_WHEELS, brake: Sequence[float] = NO_WHEELS) -> None:
+    def hold(
+        self, angle: float, drive: Sequence[float] = NO_WHEELS, brake: Sequence[float] = NO_WHEELS
+    ) -> None:
         """Hold a mean road-wheel angle [rad], and drive and brake torques at the wheels [N m]."""
         self._step["drive"], self._step["brake"] = tuple(drive), tuple(brake)
         self._hold(self._car, self._step, angle, 0.0)
 
     def rates(self, y: np.ndarray, starts: bool = False) -> np.ndarray:
-        """f(y); one that `starts` decides which direction dry friction opposes at each wheel, the others keep to it."""
+        """f(y); one that `starts` decides which direction dry friction opposes at each wheel."""
         dy = np.empty(INTEGRATED_SIZE)
-        self._rates(y, dy, *self._model, starts)
+        self._rates(y, dy, self._mechanics, starts)
         return dy
 
     def advance(self, y: np.ndarray, h: float) -> None:
-        """One step of h [s] of the plant's own method, in place."""
-        self._advance(y, *self._model, h)
+        """Take one step of h [s] of the plant's own method, in place."""
+        self._advance(y, self._mechanics, h)

@@ -1,4 +1,9 @@
-"""What the planar plant is given: its parameters, what follows from the vehicle for a whole run, and its faults."""
+"""Parameters of the planar plant, its constants of body and wheels, and its faults.
+
+How faults work: `car_faults` makes tables of the texts before the run. At the beginning of a
+control period `find_faults` sets the state of the faults from the tables, and each step acts by
+that state: `delay_commands` on commands, `strike_motors` on motor torques, `deflate` on tyres.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +12,30 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ev_core.faults.fault import OF_THE_CAR, Fault, faults_parameter, parsed
-from ev_core.law import GRAVITY, WHEEL_NAMES, Car, ParameterError, Vehicle, compilable, group, parameter, setting
+from ev_core.law import (
+    GRAVITY,
+    WHEEL_NAMES,
+    Car,
+    ParameterError,
+    Vehicle,
+    compilable,
+    group,
+    parameter,
+    setting,
+)
 from ev_core.parameters.record import entry, part, per_wheel
 from ev_core.vehicle.driveline import wheel_inertias
 from ev_core.vehicle.tyre import MfTyres, mf_tyres
 from ev_msgs_py.refusal import quoted
 from ev_sim.drives.brushless_motor import torque_share
 from ev_sim.drives.drive import DRIVE_MODELS, DriveParameters
-from ev_sim.plant.planar.planar_state import LONGEST_DELAY, WHEEL_ANGLE, CarFaultState, PlanarState, Step
+from ev_sim.plant.planar.planar_state import (
+    LONGEST_DELAY,
+    WHEEL_ANGLE,
+    CarFaultState,
+    PlanarState,
+    Step,
+)
 from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
 from ev_sim.surfaces import RoadParameters
 from ev_sim.tyres.curve import soften
@@ -27,79 +48,126 @@ IMPOSED_AT = ("body", "wheels")
 AT_BODY, AT_WHEELS = range(len(IMPOSED_AT))
 
 
+CODES = tuple(OF_THE_CAR)
+MOTOR_SHARE, MOTOR_STUCK, INVERTER_TRIP, INVERTER_DELAY, HALL_STUCK, BATTERY_SHARE, FLAT_TYRE = (
+    range(len(CODES))
+)
+
+
 @dataclass(frozen=True, slots=True)
 class PunctureParameters:
     """A tyre without air, beside the sound one; all of it is assumed."""
 
-    radius: float = setting(0.9, unit="1", low=0.5, high=1.0, about="rolling radius over that of the sound tyre")
+    radius: float = setting(
+        0.9, unit="1", low=0.5, high=1.0, about="rolling radius over that of the sound tyre"
+    )
     stiffness: float = setting(
-        0.3, unit="1", low=0.05, high=1.0, about="slip stiffness over that of the sound tyre, along and across"
+        0.3,
+        unit="1",
+        low=0.05,
+        high=1.0,
+        about="slip stiffness over that of the sound tyre, along and across",
     )
     rolling_resistance: float = setting(
-        0.2, unit="1", low=0.0, high=1.0, about="that a tyre without air adds to that of the sound one"
+        0.2,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="that a tyre without air adds to that of the sound one",
     )
-    time: float = setting(0.5, unit="s", low=0.0, high=1000.0, about="in which the air is lost, evenly")
+    time: float = setting(
+        0.5, unit="s", low=0.0, high=1000.0, about="in which the air is lost, evenly"
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class PlanarParameters(DriveParameters):
-    """Drives, step, start and road of the planar plant; the car itself is the vehicle description."""
+    """Drives, step, start and road of the planar plant; the car is the vehicle description."""
 
     drive: str = setting(
         "torque_controlled",
         choices=(*DRIVE_MODELS, "torque_controlled"),
-        about="torque_controlled: the motor of the vehicle description; the others: a brushless DC drive, `motor`",
+        about="torque_controlled: the motor of the vehicle description; the others: a brushless "
+        "DC drive, `motor`",
     )
     step: float = setting(
-        1e-3, unit="s", low=1e-5, high=1e-3, about="longest step; stiff tyres on light wheels get shorter ones"
+        1e-3,
+        unit="s",
+        low=1e-5,
+        high=1e-3,
+        about="longest step; stiff tyres on light wheels get shorter ones",
     )
     load_transfer_lag: float = setting(
         0.02,
         unit="s",
         low=0.002,
         high=1.0,
-        about="time in which the wheel loads follow the tyre forces: springs and dampers in one number, an assumption "
+        about="time in which the wheel loads follow the tyre forces: springs and dampers in one "
+        "number, an assumption "
         "that also keeps loads and forces from being an implicit equation",
     )
-    initial_speed: float = setting(0.0, unit="m/s", low=-60.0, high=120.0, about="at the start, straight ahead")
-    initial_x: float = setting(0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start")
+    initial_speed: float = setting(
+        0.0, unit="m/s", low=-60.0, high=120.0, about="at the start, straight ahead"
+    )
+    initial_x: float = setting(
+        0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start"
+    )
     initial_y: float = setting(
         0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start", lateral=True
     )
-    initial_heading: float = setting(0.0, unit="rad", low=-10.0, high=10.0, about="at the start", lateral=True)
+    initial_heading: float = setting(
+        0.0, unit="rad", low=-10.0, high=10.0, about="at the start", lateral=True
+    )
     initial_lateral_velocity: float = setting(
         0.0, unit="m/s", low=-60.0, high=60.0, about="at the start, to the left", lateral=True
     )
-    initial_yaw_rate: float = setting(0.0, unit="rad/s", low=-10.0, high=10.0, about="at the start", lateral=True)
+    initial_yaw_rate: float = setting(
+        0.0, unit="rad/s", low=-10.0, high=10.0, about="at the start", lateral=True
+    )
     initial_hold: float = setting(
-        0.0, unit="s", low=0.0, high=10.0, about="so long these and a free speed stay; wheels, carcasses, loads settle"
+        0.0,
+        unit="s",
+        low=0.0,
+        high=10.0,
+        about="so long these and a free speed stay; wheels, carcasses, loads settle",
     )
     initial_drive_torque: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0, 0.0),
         unit="N m",
         low=-1e5,
         high=1e5,
-        about="asked of each wheel: with any, the run begins in the equilibrium of straight running at constant speed "
-        "with these torques, wheels at the slip that holds them; without, the wheels begin without slip",
+        about="asked of each wheel: with any, the run begins in the equilibrium of straight "
+        "running at constant speed "
+        "with these torques, wheels at the slip that holds them; without, the wheels begin "
+        "without slip",
         source="Ge & Ni 2005: straight running with T* comes before the turn",
         per_wheel=True,
     )
     speed: str = parameter(
         "free",
         choices=SPEED_CHOICES,
-        about="longitudinal velocity of the centre of mass; held: that of the start; imposed: that of `imposed_speed`. "
-        "A force along the car in the plane of the road takes or gives what that needs, as an ideal dynamometer does",
-        source="Ge & Ni 2005: u is held; dissertation, chapter 3: the cycle imposes the speed (one of three readings)",
+        about="longitudinal velocity of the centre of mass; held: that of the start; imposed: that "
+        "of `imposed_speed`. "
+        "A force along the car in the plane of the road takes or gives what that needs, as an "
+        "ideal dynamometer does",
+        source="Ge & Ni 2005: u is held; dissertation, chapter 3: the cycle imposes the speed "
+        "(one of three readings)",
     )
     imposed_speed: SpeedProfileParameters = group(SpeedProfileParameters, time=(0.0,), speed=(0.0,))
     imposed_at: str = setting(
         "body",
         choices=IMPOSED_AT,
-        about="where the force of `imposed` acts; wheels: what mass and drag ask for at the driven wheels, or all that "
-        "brake, as far as side forces leave friction, beside motors and brakes; only the rest acts on the body",
+        about="where the force of `imposed` acts; wheels: what mass and drag ask for at the driven "
+        "wheels, or all that "
+        "brake, as far as side forces leave friction, beside motors and brakes; only the rest "
+        "acts on the body",
     )
     imposed_front_braking: float = setting(
-        0.6, unit="1", low=0.0, high=1.0, about="share of the front axle in the force that brakes at the wheels"
+        0.6,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="share of the front axle in the force that brakes at the wheels",
     )
     road: RoadParameters = group(RoadParameters)
     faults: tuple[str, ...] = faults_parameter()
@@ -107,7 +175,7 @@ class PlanarParameters(DriveParameters):
 
 
 def load_files(parameters: PlanarParameters) -> PlanarParameters:
-    """The parameters with the imposed speed from its file, if they name one; see `with_profile_from_file`."""
+    """The parameters with the imposed speed from its file, if they name one."""
     return dataclasses.replace(
         parameters, imposed_speed=with_profile_from_file(parameters.imposed_speed, "imposed_speed")
     )
@@ -120,9 +188,12 @@ class BodyConstants:
     wheel_x: list[float] = per_wheel(unit="m", about="of the wheel centre from the centre of mass")
     wheel_y: list[float] = per_wheel(unit="m", about="of the wheel centre from the centre of mass")
     wheel_radius: list[float] = per_wheel(unit="m", about="true rolling radius")
-    wheel_inertia: list[float] = per_wheel(unit="kg m^2", about="with the part of the rotor behind its gear")
+    wheel_inertia: list[float] = per_wheel(
+        unit="kg m^2", about="with the part of the rotor behind its gear"
+    )
     cornering_stiffness: list[float] = per_wheel(
-        unit="1/rad", about="over static load, of a linear lateral curve; itself [N/rad] of a constant stiffness"
+        unit="1/rad",
+        about="over static load, of a linear lateral curve; itself [N/rad] of a constant stiffness",
     )
     number_of_wheels: float = entry(4.0, unit="1")
     mf: MfTyres = part(MfTyres)
@@ -137,7 +208,9 @@ def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]
     """The x and the y of the four wheel centres from the centre of mass [m]."""
     rear = -vehicle.centre_of_mass_to_rear_axle
     front = vehicle.wheelbase + rear
-    front_half, rear_half, offset = vehicle.front_track / 2, vehicle.rear_track / 2, vehicle.centre_of_mass_offset
+    front_half = vehicle.front_track / 2
+    rear_half = vehicle.rear_track / 2
+    offset = vehicle.centre_of_mass_offset
     y = (front_half - offset, -front_half - offset, rear_half - offset, -rear_half - offset)
     return (front, front, rear, rear), y
 
@@ -153,7 +226,9 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
         rear_stiffness = 2 * rear_stiffness / max(rear_load, 1.0)
     for axle, file in (("front", tyre.front_file), ("rear", tyre.rear_file)):
         if file:
-            raise ParameterError(f"vehicle.tyre.{axle}_file: {file} has not been read into {axle}_mf")
+            raise ParameterError(
+                f"vehicle.tyre.{axle}_file: {file} has not been read into {axle}_mf"
+            )
     x, y = wheel_places(v)
     mf = mf_tyres(tyre.front_mf, tyre.rear_mf)
     return BodyConstants(
@@ -171,12 +246,11 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
     )
 
 
-CODES = tuple(OF_THE_CAR)
-MOTOR_SHARE, MOTOR_STUCK, INVERTER_TRIP, INVERTER_DELAY, HALL_STUCK, BATTERY_SHARE, FLAT_TYRE = range(len(CODES))
-
-
 class CarFaults(NamedTuple):
-    """The faults of the car, one after the other: kind, first period with it and first without, value, and by wheel."""
+    """The faults of the car, one after the other.
+
+    Each has its kind, its first period and the first without it, its value, and its wheels.
+    """
 
     kind: tuple[float, ...]
     begin: tuple[float, ...]
@@ -202,15 +276,24 @@ def car_faults(
     )
 
 
-def _refuse(fault: Fault, vehicle: Vehicle, period: float, is_brushless: bool, puncture_fits: bool) -> None:
-    driven = [n for n, hit in zip(WHEEL_NAMES, fault.wheels(), strict=True) if hit and n in vehicle.driven_wheels]
+def _refuse(
+    fault: Fault, vehicle: Vehicle, period: float, is_brushless: bool, puncture_fits: bool
+) -> None:
+    driven = [
+        n
+        for n, hit in zip(WHEEL_NAMES, fault.wheels(), strict=True)
+        if hit and n in vehicle.driven_wheels
+    ]
     of_motor = fault.kind not in ("battery_share", "puncture")
     coupling = vehicle.driveline.coupling
     for lacks, needed in (
         (of_motor and not driven, f"a motor there, of {', '.join(vehicle.driven_wheels)}"),
         (of_motor and vehicle.engine.peak_power > 0.0, "motors, not vehicle.engine"),
         (fault.kind == "hall_stuck" and not is_brushless, "drive ideal, averaged or switched"),
-        (fault.kind == "hall_stuck" and coupling != "individual", "vehicle.driveline.coupling individual"),
+        (
+            fault.kind == "hall_stuck" and coupling != "individual",
+            "vehicle.driveline.coupling individual",
+        ),
         (fault.kind == "puncture" and not puncture_fits, "vehicle.tyre.lateral_curve same"),
         (
             fault.kind == "inverter_delay" and fault.value > LONGEST_DELAY * period,
@@ -223,7 +306,10 @@ def _refuse(fault: Fault, vehicle: Vehicle, period: float, is_brushless: bool, p
 
 @compilable
 def find_faults(p: Any, faults: CarFaults, s: PlanarState, period: float) -> None:
-    """What is wrong in this control period [s]; of several faults of a wheel the last one counts, shares multiply."""
+    """Find what is wrong in this control period [s].
+
+    Of several faults of a wheel the last one counts, and shares multiply.
+    """
     f = s.faults
     for i in range(4):
         if f.stuck[i] == 0.0:
@@ -262,13 +348,15 @@ def find_faults(p: Any, faults: CarFaults, s: PlanarState, period: float) -> Non
 
 @compilable
 def delay_commands(f: CarFaultState, periods: float, step: Step) -> None:
-    """Give each inverter the drive torque that was asked for its delay ago, none before the start."""
+    """Give each inverter the drive torque asked for its delay ago, none before the start."""
     here = int(periods) % LONGEST_DELAY
     for i in range(4):
         newest = step.drive_command[i]
         if f.delay[i] > 0.0:
             before = int(periods - f.delay[i])
-            step.drive_command[i] = f.asked[4 * (before % LONGEST_DELAY) + i] if before >= 0 else 0.0
+            step.drive_command[i] = (
+                f.asked[4 * (before % LONGEST_DELAY) + i] if before >= 0 else 0.0
+            )
         f.asked[4 * here + i] = newest
 
 
@@ -291,7 +379,10 @@ def strike_motors(s: PlanarState, p: Any, car: Car, step: Step) -> None:
 
 @compilable
 def deflate(f: CarFaultState, p: Any, car: Car, body: BodyConstants, step: Step) -> None:
-    """Make flat tyres of those that the road has just been looked up for: smaller, softer, harder to roll."""
+    """Make flat tyres of those under which the road has just been found.
+
+    They are smaller, softer, and harder to roll.
+    """
     for i in range(4):
         flat, tyre = f.flat[i], step.tyre[i]
         if flat > 0.0:

@@ -1,18 +1,29 @@
-"""The planar plant and its variants, as methods of the role `plant` (docs/planar_plant.md)."""
+"""The planar plant and its variants, as methods of the role `plant` (docs/planar_plant.md).
+
+How it works: a control period is divided into equal steps. Before them the guard accepts the
+commands, and faults are looked up. Each step finds the road, turns the wheels, lets the drives set
+the torques of the wheels, integrates body and wheels by Runge-Kutta, moves the car on, and books
+its energies. A variant puts functions of its own in the place of `apply_drives`, which sets the
+torques, or of `account`, which books, or does something before or behind the period.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from ev_core.law import Car, Vehicle, cos, group, inlined, method, per_wheel, sin, working_memory
 from ev_core.vehicle.driveline import has_own_motors
 from ev_msgs_py.contract.optional_signals import RearSteeringState, WheelSpeedCommand
-from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
-from ev_sim.drives.synchronous_motor import SpeedModeParameters, speed_control_without_windup
-from ev_sim.plant.guard import accepted, guarded_steering, guarded_torques
+from ev_msgs_py.contract.signals import WheelTorqueCommand
+from ev_sim.drives.synchronous_motor import (
+    SpeedControl,
+    SpeedModeParameters,
+    speed_control_without_windup,
+)
+from ev_sim.plant.guard import Commanded, accepted, guarded_steering, guarded_torques
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar import shown
 from ev_sim.plant.planar.body import book_push, integrate, push_at_wheels, steer
@@ -27,11 +38,12 @@ from ev_sim.plant.planar.given import (
     find_faults,
     load_files,
 )
+from ev_sim.plant.planar.model import Mechanics, Plant
 from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
 from ev_sim.profiles.profile import value_at
 
-# What all methods of this plant have, but for what they give themselves.
+# Options of all methods of this plant, which a variant may replace.
 PLANAR: dict[str, Any] = {
     "state": state.PlanarState,
     "prepare": prepare,
@@ -43,6 +55,11 @@ PLANAR: dict[str, Any] = {
     "heavy": True,
     "mirrored": True,
 }
+ELECTRICAL: dict[str, Any] = PLANAR | {
+    "prepare": prepare_electrical,
+    "outputs": shown.electrical_outputs,
+    "writes": shown.ELECTRICAL_SIGNALS,
+}
 
 
 @method("plant", "planar", **PLANAR)
@@ -53,88 +70,126 @@ def planar(
     c: PlanarConstants,
     s: state.PlanarState,
     period: float,
-    command: WheelTorqueCommand,
-    column: SteeringColumnState,
+    commanded: Commanded,
 ) -> None:
-    """Body in the plane, four wheels on real tyres and real roads, drives and battery (docs/planar_plant.md).
+    """Body in the plane, four wheels on real tyres and roads, drives, battery: planar_plant.md.
 
-    Over one period the torques are held and the steering angle goes on at its rate, as the guard accepts them.
+    Over one period the torques are held and the steering angle goes on at its rate, as the guard
+    accepts them.
     """
-    advance(p, car, c, s, period, command, column, apply_drives, account, working_memory(state.STEP_MEMORY))
+    plant = Plant(p, car, c, s, working_memory(state.STEP_MEMORY)[0])
+    advance(plant, period, commanded, apply_drives, account)
 
 
 @inlined
 def advance(
-    p: PlanarParameters,
-    car: Car,
-    c: PlanarConstants,
-    s: state.PlanarState,
+    plant: Plant,
     period: float,
-    command: WheelTorqueCommand,
-    column: SteeringColumnState,
+    commanded: Commanded,
     apply: Callable[..., None],
     book: Callable[..., None],
-    steps: list[state.Step],
 ) -> None:
-    """All steps of a period, in memory of one record.
+    """Advance the plant by a period [s], step by step.
 
-    `apply` sets the torques of a step as `apply_drives` does, `book` its energies as `account` does. The road-wheel
-    angle goes on at its rate.
+    `apply` sets the torques of a step as `apply_drives` does, `book` its energies as `account`
+    does.
     """
-    torques = guarded_torques(c.limits, s.guard, command)
-    angle, rate = guarded_steering(c.limits, s.guard, column, period)
+    s, c = plant.s, plant.c
+    angle, rate = begin_period(plant, period, commanded)
+    is_struck = s.faults.is_struck == 1.0
+    is_held = s.periods * period <= plant.p.initial_hold + 0.5 * period
+    for n in range(int(c.steps)):
+        # The rear angle goes on at its rate, too: 0 without an actuator.
+        time = (n + 0.5) * c.h
+        find_ground(plant, n == 0 or is_struck)
+        steer(plant.car, plant.step, angle + rate * time, s.rear_angle + s.rear_rate * time)
+        apply(plant)
+        move(plant, is_held)
+        book(plant)
+    s.road_wheel_angle = angle + rate * (c.steps * c.h)
+    shown.keep_noted(s, plant.car, c.road)
+
+
+@inlined
+def begin_period(plant: Plant, period: float, commanded: Commanded) -> tuple[float, float]:
+    """Take commands and faults of a period; road-wheel angle [rad] and its rate [rad/s]."""
+    p, _, c, s, step = plant
+    torques = guarded_torques(c.limits, s.guard, commanded.torques)
+    angle, rate = guarded_steering(c.limits, s.guard, commanded.column, period)
     if len(c.faults.kind) > 0 or s.faults.is_struck == 1.0:
         find_faults(p, c.faults, s, period)
     s.periods += 1.0
     s.imposed_acceleration = 0.0
     if p.speed == SPEED_IMPOSED:
-        s.imposed_acceleration = (value_at(c.imposed, s.periods * period) - s.motion[state.VX]) / period
-    step, h, y = steps[0], c.h, s.motion
+        wanted = value_at(c.imposed, s.periods * period)
+        s.imposed_acceleration = (wanted - s.motion[state.VX]) / period
     step.imposed_acceleration = s.imposed_acceleration
+    hold_commands(plant, torques)
+    return angle, rate
+
+
+@inlined
+def hold_commands(plant: Plant, torques: WheelTorqueCommand) -> None:
+    """Hold the accepted torques [N m] for the steps of a period, as late as faulty inverters do."""
+    s, step = plant.s, plant.step
     for i in range(4):
-        step.drive_command[i], step.brake_command[i] = torques.drive[i], torques.brake[i]
+        step.drive_command[i] = torques.drive[i]
+        step.brake_command[i] = torques.brake[i]
         s.mean_drive[i] = 0.0
-    is_struck = s.faults.is_struck == 1.0
-    if is_struck:
+    if s.faults.is_struck == 1.0:
         delay_commands(s.faults, s.periods - 1.0, step)
-    for n in range(int(c.steps)):
-        find_road(y, c.body, step, c.road, n == 0 or is_struck)
-        if is_struck:
-            deflate(s.faults, p, car, c.body, step)
-        time = (n + 0.5) * h
-        steer(car, step, angle + rate * time, s.rear_angle + s.rear_rate * time)
-        apply(p, car, c, s, step)
-        if p.speed == SPEED_IMPOSED and p.imposed_at == AT_WHEELS:
-            push_at_wheels(p, car, c.body, y, step)
-        vx, vy, heading = y[state.VX], y[state.VY], y[state.HEADING]
-        for i in range(4):
-            step.turned[i] = -y[state.WHEEL_ANGLE + i]
-        integrate(y, p, car, c.body, step, h)
-        if s.periods * period <= p.initial_hold + 0.5 * period:
-            y[state.VY], y[state.YAW_RATE] = p.initial_lateral_velocity, p.initial_yaw_rate
-            if p.speed == SPEED_FREE:
-                y[state.VX] = p.initial_speed
-        for i in range(4):
-            step.turned[i] += y[state.WHEEL_ANGLE + i]
-            s.mean_drive[i] += step.drive[i] / c.steps
-        if p.speed == SPEED_IMPOSED and p.imposed_at == AT_WHEELS:
-            book_push(y, step)
-        # The position feeds nothing back, so the trapezoidal rule over the step is enough.
-        mean_x, mean_y = 0.5 * (vx + y[state.VX]), 0.5 * (vy + y[state.VY])
-        middle = 0.5 * (heading + y[state.HEADING])
-        cosine, sine = cos(middle), sin(middle)
-        s.x += h * (mean_x * cosine - mean_y * sine)
-        s.y += h * (mean_y * cosine + mean_x * sine)
-        book(p, car, c, s, step)
-    s.road_wheel_angle = angle + rate * (c.steps * h)
-    shown.keep_noted(s, car, c.road)
 
 
-@method(
-    "plant",
-    "planar_electrical",
-    **PLANAR | {"prepare": prepare_electrical, "outputs": shown.electrical_outputs, "writes": shown.ELECTRICAL_SIGNALS},
-)
+@inlined
+def find_ground(plant: Plant, first: bool) -> None:
+    """Find the road under the car, and put flat tyres on it; `first` as in `find_road`."""
+    p, car, c, s, step = plant
+    find_road(s.motion, c.body, step, c.road, first)
+    if s.faults.is_struck == 1.0:
+        deflate(s.faults, p, car, c.body, step)
+
+
+@inlined
+def move(plant: Plant, is_held: bool) -> None:
+    """Move body and wheels on by one step; `is_held` while the motion of the start is held."""
+    p, car, c, s, step = plant
+    y = s.motion
+    mechanics = Mechanics(p, car, c.body, step)
+    is_pushed = p.speed == SPEED_IMPOSED and p.imposed_at == AT_WHEELS
+    if is_pushed:
+        push_at_wheels(y, mechanics)
+    vx = y[state.VX]
+    vy = y[state.VY]
+    heading = y[state.HEADING]
+    for i in range(4):
+        step.turned[i] = -y[state.WHEEL_ANGLE + i]
+    integrate(y, mechanics, c.h)
+    if is_held:
+        hold_motion(p, y)
+    for i in range(4):
+        step.turned[i] += y[state.WHEEL_ANGLE + i]
+        s.mean_drive[i] += step.drive[i] / c.steps
+    if is_pushed:
+        book_push(y, step)
+    # The position feeds nothing back, so the trapezoidal rule over the step is enough.
+    mean_x = 0.5 * (vx + y[state.VX])
+    mean_y = 0.5 * (vy + y[state.VY])
+    middle = 0.5 * (heading + y[state.HEADING])
+    cosine, sine = cos(middle), sin(middle)
+    s.x += c.h * (mean_x * cosine - mean_y * sine)
+    s.y += c.h * (mean_y * cosine + mean_x * sine)
+
+
+@inlined
+def hold_motion(p: PlanarParameters, y: state.Row) -> None:
+    """Put lateral velocity, yaw rate and a free speed back to those of the start."""
+    y[state.VY] = p.initial_lateral_velocity
+    y[state.YAW_RATE] = p.initial_yaw_rate
+    if p.speed == SPEED_FREE:
+        y[state.VX] = p.initial_speed
+
+
+@method("plant", "planar_electrical", **ELECTRICAL)
 @inlined
 def planar_electrical(
     p: PlanarParameters,
@@ -142,14 +197,21 @@ def planar_electrical(
     c: PlanarConstants,
     s: state.PlanarState,
     period: float,
-    command: WheelTorqueCommand,
-    column: SteeringColumnState,
+    commanded: Commanded,
 ) -> None:
-    """The planar plant with currents, voltages and temperatures of its motors, and cells (docs/electrical.md).
+    """The planar plant with the electrical side of its motors, and cells (docs/electrical.md).
 
-    Voltage of the DC link and temperatures limit the torque.
+    It writes currents, voltages and temperatures. Voltage of the DC link and temperatures limit the
+    torque.
     """
-    planar(p, car, c, s, period, command, column)
+    planar(p, car, c, s, period, commanded)
+
+
+class SteeredBehind(NamedTuple):
+    """The commands, and the actuator of the rear wheels."""
+
+    commanded: Commanded
+    rear: RearSteeringState
 
 
 @method("plant", "planar_rear_steering", **PLANAR)
@@ -160,18 +222,19 @@ def planar_rear_steering(
     c: PlanarConstants,
     s: state.PlanarState,
     period: float,
-    command: WheelTorqueCommand,
-    column: SteeringColumnState,
-    rear: RearSteeringState,
+    read: SteeredBehind,
 ) -> None:
-    """The planar plant with rear wheels that an actuator steers, besides the `rear_steering_ratio` of the car.
+    """The planar plant with rear wheels that an actuator steers.
 
+    Its angle adds to what the `rear_steering_ratio` of the car gives.
     Over a period the rear angle goes on at its rate, as the front one does, within the same limit.
     """
     limit = c.limits.angle
-    s.rear_angle = accepted(s.guard, rear.angle, s.rear_angle, -limit, limit)
-    s.rear_rate = accepted(s.guard, rear.rate, 0.0, (-limit - s.rear_angle) / period, (limit - s.rear_angle) / period)
-    planar(p, car, c, s, period, command, column)
+    s.rear_angle = accepted(s.guard, read.rear.angle, s.rear_angle, -limit, limit)
+    least = (-limit - s.rear_angle) / period
+    most = (limit - s.rear_angle) / period
+    s.rear_rate = accepted(s.guard, read.rear.rate, 0.0, least, most)
+    planar(p, car, c, s, period, read.commanded)
     s.rear_angle += s.rear_rate * period
 
 
@@ -186,8 +249,19 @@ class PlanarSpeedModeParameters(PlanarParameters):
 class SpeedModeState(state.PlanarState):
     """The same, and what the speed controls keep."""
 
-    set_point: list[float] = per_wheel(unit="rad/s", about="of the wheel speed that was accepted last")
-    speed_integral: list[float] = per_wheel(unit="N m", about="integral part of the speed control, at the shaft")
+    set_point: list[float] = per_wheel(
+        unit="rad/s", about="of the wheel speed that was accepted last"
+    )
+    speed_integral: list[float] = per_wheel(
+        unit="N m", about="integral part of the speed control, at the shaft"
+    )
+
+
+class SpeedCommanded(NamedTuple):
+    """The commands, and the set-points of the wheel speeds."""
+
+    commanded: Commanded
+    speeds: WheelSpeedCommand
 
 
 def a_motor_for_each_wheel(_parameters: PlanarSpeedModeParameters, vehicle: Vehicle) -> str:
@@ -208,38 +282,50 @@ def planar_speed_mode(
     c: PlanarConstants,
     s: SpeedModeState,
     period: float,
-    command: WheelTorqueCommand,
-    column: SteeringColumnState,
-    speeds: WheelSpeedCommand,
+    read: SpeedCommanded,
 ) -> None:
-    """The planar plant with drives that control their speed, within the commanded torque and never against it.
+    """The planar plant with drives that control their speed, within the commanded torque.
 
-    M = K e + (K/T) integral(e) within 0..M_command, e = w* - w at the shaft, in every step of the plant; motor, its
-    limits, lag and losses are those of the plant in torque mode. A set-point out of reach is torque mode, to the bit;
-    the integral part follows the torque there, so that a set-point that comes into reach takes over without a jump.
+    M = K e + (K/T) integral(e) within 0..M_command, e = w* - w at the shaft, in every step of the
+    plant; motor, its limits, lag and losses are those of the plant in torque mode. A set-point out
+    of reach is torque mode, to the bit; the integral part follows the torque there, so that a
+    set-point that comes into reach takes over without a jump.
     """
     for i in range(4):
         most = car.motor.maximum_speed / car.gear[i]
-        s.set_point[i] = accepted(s.guard, speeds.speed[i], s.set_point[i], -most, most)
-    advance(p, car, c, s, period, command, column, _apply, account, working_memory(state.STEP_MEMORY))
+        s.set_point[i] = accepted(s.guard, read.speeds.speed[i], s.set_point[i], -most, most)
+    plant = Plant(p, car, c, s, working_memory(state.STEP_MEMORY)[0])
+    advance(plant, period, read.commanded, _apply_speed_control, account)
 
 
 @inlined
-def _apply(p: PlanarSpeedModeParameters, car: Car, c: PlanarConstants, s: SpeedModeState, step: state.Step) -> None:
-    """Set the torques of a step as in torque mode, by the torque that each speed control asks for."""
-    command, control = step.drive_command, p.speed_control
-    front_left, front_right, rear_left, rear_right = command[0], command[1], command[2], command[3]
+def _apply_speed_control(plant: Plant) -> None:
+    """Set the torques of a step as in torque mode, by what each speed control asks for."""
+    command = plant.step.drive_command
+    front_left, front_right = command[0], command[1]
+    rear_left, rear_right = command[2], command[3]
     for i in range(4):
-        gear = car.gear[i]
-        least, most = min(command[i], 0.0) / gear, max(command[i], 0.0) / gear
-        if s.set_point[i] * command[i] >= car.motor.maximum_speed / gear * abs(command[i]):
-            s.speed_integral[i] = command[i] / gear
-            continue
-        error = gear * (s.set_point[i] - s.motion[state.WHEEL_SPEED + i])
-        asked, s.speed_integral[i] = speed_control_without_windup(
-            control.gain, control.integral_time, s.speed_integral[i], error, c.h, least, most
-        )
-        if (command[i] > 0.0 and asked < most) or (command[i] < 0.0 and asked > least):
-            command[i] = gear * min(max(asked, least), most)
-    apply_drives(p, car, c, s, step)
-    command[0], command[1], command[2], command[3] = front_left, front_right, rear_left, rear_right
+        command[i] = _controlled_torque(plant, i)
+    apply_drives(plant)
+    # The command holds for the whole period: the next step controls by it again.
+    command[0], command[1] = front_left, front_right
+    command[2], command[3] = rear_left, rear_right
+
+
+@inlined
+def _controlled_torque(plant: Plant, i: int) -> float:
+    """Torque [N m] that the speed control of wheel i asks of its drive, within its command."""
+    p, car, c, s, step = plant
+    command, gear = step.drive_command[i], car.gear[i]
+    fastest = car.motor.maximum_speed / gear
+    if s.set_point[i] * command >= fastest * abs(command):
+        s.speed_integral[i] = command / gear
+        return command
+    least = min(command, 0.0) / gear
+    most = max(command, 0.0) / gear
+    error = gear * (s.set_point[i] - s.motion[state.WHEEL_SPEED + i])
+    control = SpeedControl(p.speed_control.gain, p.speed_control.integral_time, c.h, least, most)
+    asked, s.speed_integral[i] = speed_control_without_windup(control, s.speed_integral[i], error)
+    if (command > 0.0 and asked < most) or (command < 0.0 and asked > least):
+        return gear * min(max(asked, least), most)
+    return command

@@ -1,4 +1,9 @@
-"""What the planar plant is given once: step width, constants of the car, and its tables."""
+"""Constants of the planar plant for a run: step width, car, and tables.
+
+How it works: everything that does not change within a run is worked out here in plain Python, which
+may refuse a car in a message. Compiled functions then get numbers and tables alone. The step is the
+longest that divides the period and is stable for this car.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +17,21 @@ from ev_core.vehicle.losses import NO_MAP, EfficiencyMap, efficiency_map
 from ev_sim.drives.brushless_motor import torque_constant
 from ev_sim.drives.drive import DRIVE_MODELS
 from ev_sim.plant.guard import GuardLimits, guard_limits
-from ev_sim.plant.planar.given import BodyConstants, CarFaults, PlanarParameters, body_constants, car_faults
+from ev_sim.plant.planar.given import (
+    BodyConstants,
+    CarFaults,
+    PlanarParameters,
+    body_constants,
+    car_faults,
+)
 from ev_sim.profiles.profile import Profile, wanted_speed
 from ev_sim.surfaces import RoadParameters, Segments, TyreOnRoad, left_and_right, tyre_on_road
 
-# Largest product of step and eigenvalue; the Runge-Kutta method is stable up to 2.78, and at half of that the motion
-# that decays within a step is still no worse than it would be if it were exact.
+# Largest product of step and eigenvalue; the Runge-Kutta method is stable up to 2.78, and at half
+# of that the motion that decays within a step is still no worse than it would be if it were exact.
 LARGEST_PRODUCT = 1.4
-# The same for brushless DC drives, which take turns with the wheels: far below the limit of 2 of such schemes.
+# The same for brushless DC drives, which take turns with the wheels: far below the limit of 2 of
+# such schemes.
 BRUSHLESS_PRODUCT = 0.4
 SHORTEST_STEP = 1e-5  # [s], the least that the parameter `step` may be
 
@@ -27,11 +39,12 @@ SHORTEST_STEP = 1e-5  # [s], the least that the parameter `step` may be
 def longest_step(vehicle: Vehicle) -> float:
     """The longest step [s] at which every motion against the carcass springs is stable.
 
-    A mass m_e on a spring k with a damper k tau has eigenvalues of magnitude sqrt(k/m_e) if it oscillates, and of at
-    most k tau/m_e if it does not; sliding in the contact only softens that. m_e is the least inertia that a carcass can
-    move: the wheel's J/r^2, the car's m/4 and, for its yaw, J_z over four squared levers. ParameterError if the step
-    would be below `SHORTEST_STEP`. The converter of an engine asks for none: its stiffness follows the speed, and its
-    torques are taken implicitly where they need it (drives/driveline.py).
+    A mass m_e on a spring k with a damper k tau has eigenvalues of magnitude sqrt(k/m_e) if it
+    oscillates, and of at most k tau/m_e if it does not; sliding in the contact only softens that.
+    m_e is the least inertia that a carcass can move: the wheel's J/r^2, the car's m/4 and, for its
+    yaw, J_z over four squared levers. ParameterError if the step would be below `SHORTEST_STEP`.
+    The converter of an engine asks for none: its stiffness follows the speed, and its torques are
+    taken implicitly where they need it (drives/driveline.py).
     """
     tyre = vehicle.tyre
     widest = max(vehicle.front_track, vehicle.rear_track)
@@ -48,7 +61,8 @@ def longest_step(vehicle: Vehicle) -> float:
     if step < SHORTEST_STEP:
         raise ParameterError(
             f"vehicle.tyre: stiffness and damping_time need steps of {step:.2g} s with wheels of "
-            f"{lightest:g} kg m^2 and a car of {vehicle.mass:g} kg, expected {SHORTEST_STEP:g} s or more"
+            f"{lightest:g} kg m^2 and a car of {vehicle.mass:g} kg, expected {SHORTEST_STEP:g} s "
+            f"or more"
         )
     return step
 
@@ -59,7 +73,7 @@ def _fastest(stiffness: float, damping_time: float, mass: float) -> float:
 
 
 class Track(NamedTuple):
-    """Where segments begin [m], and the numbers of `TyreOnRoad` on each of them, one after the other."""
+    """Starts of segments [m], and the numbers of `TyreOnRoad` on each, one after the other."""
 
     start: tuple[float, ...]
     tyres: tuple[float, ...]
@@ -86,7 +100,10 @@ def road_tables(road: RoadParameters, vehicle: Vehicle) -> RoadTables:
     left, right = left_and_right(road)
     scale = road.rolling_resistance_scale
     slope = Slope(road.slope_distance, road.grade, road.side_slope)
-    of = {name: tyre_on_road(vehicle.tyre, road.surface(name), scale) for name in {*left.surface, *right.surface}}
+    of = {
+        name: tyre_on_road(vehicle.tyre, road.surface(name), scale)
+        for name in {*left.surface, *right.surface}
+    }
     return RoadTables(_track(left, of), _track(right, of), slope)
 
 
@@ -95,7 +112,7 @@ def _track(segments: Segments, of: Mapping[str, TyreOnRoad]) -> Track:
 
 
 class Lags(NamedTuple):
-    """What a lag with time constant tau closes over a step [1]: 1 - exp(-h/tau)."""
+    """Shares that lags with time constants tau close over a step [1]: 1 - exp(-h/tau)."""
 
     torque: float
     torque_mean: float  # the mean of the torque's over the step
@@ -107,7 +124,8 @@ class Electrical(NamedTuple):
     """Zeros where it is not modelled."""
 
     modelled: float = 0.0  # 1 where it is
-    # Temperatures [degC] between which cells may be discharged and charged, see `cells.temperature_share`.
+    # Temperatures [degC] between which cells may be discharged and charged, see
+    # `cells.temperature_share`.
     discharge_temperature: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
     charge_temperature: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
     relaxation_resistance: float = 0.0  # of the battery [ohm]
@@ -119,10 +137,12 @@ class Electrical(NamedTuple):
 
 
 class PowerConstants(NamedTuple):
-    """Of battery and motors."""
+    """Constants of battery and motors."""
 
     capacity: float  # charge between empty and full [A s]
-    voltage: tuple[float, ...]  # open circuit, at equally spaced states of charge from empty to full [V]
+    voltage: tuple[
+        float, ...
+    ]  # open circuit, at equally spaced states of charge from empty to full [V]
     resistance: float  # of the battery, at once [ohm]
     map: EfficiencyMap
     electrical: Electrical
@@ -130,7 +150,7 @@ class PowerConstants(NamedTuple):
 
 
 class PlanarConstants(NamedTuple):
-    """What the functions of the plant get as `c`."""
+    """Constants that the functions of the plant get as `c`."""
 
     h: float  # width of a step [s]
     steps: float  # in a control period
@@ -149,7 +169,9 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
     p = parameters
     brushless = p.drive in DRIVE_MODELS
     if brushless and not has_equal_motors(vehicle):
-        raise ParameterError(f"drive {p.drive} needs equal motors and gears at all driven wheels, and no engine")
+        raise ParameterError(
+            f"drive {p.drive} needs equal motors and gears at all driven wheels, and no engine"
+        )
     steps = number_of_steps(p, vehicle, period)
     motor_torque = p.motor.torque_limit if brushless else vehicle.motor.peak_torque
     return PlanarConstants(
@@ -169,14 +191,20 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
         road=road_tables(p.road, vehicle),
         initial_drive_torque=checked_initial_torque(p, vehicle),
         imposed=wanted_speed(p.imposed_speed, "imposed_speed"),
-        faults=car_faults(p.faults, vehicle, period, brushless, vehicle.tyre.lateral_curve == "same"),
+        faults=car_faults(
+            p.faults, vehicle, period, brushless, vehicle.tyre.lateral_curve == "same"
+        ),
     )
 
 
-def prepare_electrical(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> PlanarConstants:
+def prepare_electrical(
+    parameters: PlanarParameters, vehicle: Vehicle, period: float
+) -> PlanarConstants:
     """The same with cells and the electrical side of the motors."""
     if parameters.drive in DRIVE_MODELS:
-        raise ParameterError(f"planar_electrical needs drive torque_controlled, not {parameters.drive}")
+        raise ParameterError(
+            f"planar_electrical needs drive torque_controlled, not {parameters.drive}"
+        )
     if vehicle.engine.peak_power > 0.0:
         raise ParameterError("planar_electrical needs motors, not vehicle.engine")
     c, cells = prepare(parameters, vehicle, period), vehicle.battery.cells
@@ -189,16 +217,26 @@ def prepare_electrical(parameters: PlanarParameters, vehicle: Vehicle, period: f
 
 
 def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tuple[float, ...]:
-    """The drive torques of the four wheels at the start [N m]; ParameterError for a car that cannot have them."""
+    """Drive torques of the four wheels at the start [N m].
+
+    ParameterError for a car that cannot have them.
+    """
     torques = parameters.initial_drive_torque
     if len(torques) != 4:
         raise ParameterError("initial_drive_torque needs four elements, one for each wheel")
-    undriven = [n for n, torque in zip(WHEEL_NAMES, torques, strict=True) if torque and n not in vehicle.driven_wheels]
+    undriven = [
+        n
+        for n, torque in zip(WHEEL_NAMES, torques, strict=True)
+        if torque and n not in vehicle.driven_wheels
+    ]
     for lacks, needed in (
         (parameters.initial_speed == 0.0, "an initial_speed other than 0"),
         (parameters.drive in DRIVE_MODELS, "drive torque_controlled"),
         (not has_own_motors(vehicle), "vehicle.driveline.coupling individual"),
-        (vehicle.tyre.curve in ("mf_tyre", "dry_friction"), "a vehicle.tyre.curve over slip, not mf_tyre"),
+        (
+            vehicle.tyre.curve in ("mf_tyre", "dry_friction"),
+            "a vehicle.tyre.curve over slip, not mf_tyre",
+        ),
         (undriven, f"a motor at {', '.join(undriven)}"),
     ):
         if any(torques) and lacks:
@@ -212,16 +250,22 @@ def number_of_steps(parameters: PlanarParameters, vehicle: Vehicle, period: floa
     if vehicle.suspension.roll_lag > 0.0:
         longest = min(longest, vehicle.suspension.roll_lag)
     if parameters.drive in DRIVE_MODELS:
-        # A brushless DC drive may see one shaft speed over a step: without voltage to spare its current swings against
-        # the wheel with n k/sqrt(2 L J_w), torque constant k behind the gear ratio n.
-        constant, inductance = vehicle.gear_ratio * torque_constant(parameters.motor), parameters.motor.inductance
-        longest = min(longest, BRUSHLESS_PRODUCT / constant * sqrt(2.0 * inductance * vehicle.wheel_inertia))
+        # A brushless DC drive may see one shaft speed over a step: without voltage to spare its
+        # current swings against the wheel with n k/sqrt(2 L J_w), torque constant k behind the gear
+        # ratio n.
+        constant, inductance = (
+            vehicle.gear_ratio * torque_constant(parameters.motor),
+            parameters.motor.inductance,
+        )
+        longest = min(
+            longest, BRUSHLESS_PRODUCT / constant * sqrt(2.0 * inductance * vehicle.wheel_inertia)
+        )
     rounding = 1e-12  # a period of a whole number of steps gets no more than that
     return max(math.ceil(period / longest * (1.0 - rounding)), 1)
 
 
 def lags_over(h: float, vehicle: Vehicle) -> Lags:
-    """What each lag closes over a step of h [s]."""
+    """Shares that the lags close over a step of h [s]."""
     motor = vehicle.motor
     return Lags(
         torque=-expm1(-h / motor.torque_lag),

@@ -1,12 +1,29 @@
-"""The planar plant at the start of a run, what sensors show of its state, and its notes about the run."""
+"""The planar plant at the start of a run, its signals at an instant, and its notes."""
 
 from __future__ import annotations
 
 from typing import Any, get_args
 
-from ev_core.law import Car, InertialMeasurement, ParameterError, asin, compilable, cos, inlined, sin, working_memory
+from ev_core.law import (
+    Car,
+    InertialMeasurement,
+    ParameterError,
+    asin,
+    compilable,
+    cos,
+    inlined,
+    sin,
+    working_memory,
+)
 from ev_msgs_py.contract.optional_signals import CellCondition, MotorElectrics, MotorTemperatures
-from ev_msgs_py.contract.signals import BatteryCondition, BodyPose, BodyVelocity, MotorStates, TireForces, WheelStates
+from ev_msgs_py.contract.signals import (
+    BatteryCondition,
+    BodyPose,
+    BodyVelocity,
+    MotorStates,
+    TireForces,
+    WheelStates,
+)
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_sim.drives.driveline import begin_engine, shaft_speeds
 from ev_sim.drives.electrical_side import coolant_outlet_temperature, current_at_power
@@ -14,15 +31,39 @@ from ev_sim.drives.synchronous_motor import phase_values
 from ev_sim.plant.guard import guard_notes
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.body import loads, rates, steer
-from ev_sim.plant.planar.contact import find_road, gravity_at, look, slips, speed_resistance, within_friction
+from ev_sim.plant.planar.contact import (
+    find_road,
+    gravity_at,
+    look,
+    slips,
+    speed_resistance,
+    within_friction,
+)
 from ev_sim.plant.planar.given import PlanarParameters, deflate
-from ev_sim.plant.planar.planar_state import STEP_MEMORY, PlanarState, Step
+from ev_sim.plant.planar.model import Mechanics, Plant
+from ev_sim.plant.planar.planar_state import STEP_MEMORY, PlanarState, Step, wheels_from
 from ev_sim.plant.planar.powertrain import drive_loss, source_voltage, terminal_voltage
-from ev_sim.plant.planar.prepare import PlanarConstants, RoadTables
+from ev_sim.plant.planar.prepare import PlanarConstants, PowerConstants, RoadTables
 from ev_sim.tyres.curve import FRICTION_CURVES, Coefficients, friction, peak_slip
 
+Seen = tuple[
+    WheelStates,
+    MotorStates,
+    InertialMeasurement,
+    BodyVelocity,
+    BodyPose,
+    BatteryCondition,
+    TireForces,
+]
+PLANAR_SIGNALS: tuple[type, ...] = get_args(Seen)
+Electrics = tuple[MotorElectrics, MotorTemperatures, CellCondition]
+SeenWithElectrics = tuple[*Seen, *Electrics]
+ELECTRICAL_SIGNALS = (*PLANAR_SIGNALS, *get_args(Electrics))
+
+_HALVINGS = 60  # of an interval of at most 1: to rounding
 _REFUSED = (
-    "more torque was asked against the gear than the engine's drag: the gear stayed, the selector moves below "
+    "more torque was asked against the gear than the engine's drag: the gear stayed, the selector "
+    "moves below "
     "vehicle.engine.gearbox.selector_speed"
 )
 
@@ -40,41 +81,46 @@ def keep_noted(s: PlanarState, car: Car, road: RoadTables) -> None:
 
 
 def notes(s: PlanarState) -> tuple[str, ...]:
-    """Commands that were not taken as they came, counted by powers of ten, and what has happened at least once."""
-    lifted = (f"{name} wheel left the ground" for name, was in zip(WHEEL_NAMES, s.lifted, strict=True) if was)
+    """Lines about commands that were not taken as they came, by powers of ten, and about events."""
+    lifted = (
+        f"{name} wheel left the ground"
+        for name, was in zip(WHEEL_NAMES, s.lifted, strict=True)
+        if was
+    )
     empty = ("the battery was empty: no drive torque from it",) if s.battery_empty else ()
     refused = (_REFUSED,) if s.engine.refused else ()
     return (*guard_notes(s.guard), *lifted, *empty, *refused)
 
 
-_HALVINGS = 60  # of an interval of at most 1: to rounding
-
-
 def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
-    """Set wheels, carcasses and motors to what holds `c.initial_drive_torque` against the road at the car's speed.
+    """Set wheels, carcasses and motors to hold `c.initial_drive_torque` at the car's speed.
 
-    The body does not accelerate: whatever holds its speed until the run begins takes the force of the tyres
-    in the plane of the road, so that drag and slope alone pitch it.
-    ParameterError if a tyre cannot hold its torque.
+    The body does not accelerate: a force in the plane of the road holds its speed until the run
+    begins, against that of the tyres, so that drag and slope alone pitch it. ParameterError if a
+    tyre cannot hold its torque.
     """
-    y, step, radius, speed = s.motion, Step(), c.body.wheel_radius, s.motion[state.VX]
+    y, step = s.motion, Step()
+    radius, speed = c.body.wheel_radius, s.motion[state.VX]
     find_road(y, c.body, step, c.road, True)
     y[state.TRANSFER_X] = speed_resistance(car, c.body, speed) / car.mass - step.gravity_x
     load = loads(y, car, step.gravity_z)
     rolling = car.constant_rolling_resistance + car.rolling_resistance_growth * speed * speed
+    efficiency = car.motor.gear_efficiency
     for i in range(4):
-        asked, tyre, efficiency = c.initial_drive_torque[i], step.tyre[i], car.motor.gear_efficiency
+        asked, tyre = c.initial_drive_torque[i], step.tyre[i]
         torque = asked * efficiency if asked * speed > 0.0 else asked / efficiency
         resistance = load[i] * (rolling + tyre.rolling_resistance)
         force = torque / radius[i] - (resistance if speed > 0.0 else -resistance)
-        slip = _slip_at(car, Coefficients(tyre.c0, tyre.c1, tyre.c2, tyre.c3), abs(force) / max(load[i], 1e-9))
+        curve = Coefficients(tyre.c0, tyre.c1, tyre.c2, tyre.c3)
+        slip = _slip_at(car, curve, abs(force) / max(load[i], 1e-9))
         if slip is None:
             raise ParameterError(
                 f"initial_drive_torque is {asked:g} N m at {WHEEL_NAMES[i]}, "
                 f"expected what its tyre holds, {tyre.friction * load[i] * radius[i]:.5g} N m"
             )
         # Slip is over the faster one of rim and road.
-        y[state.WHEEL_SPEED + i] = (speed / (1.0 - slip) if force * speed > 0.0 else speed * (1.0 - slip)) / radius[i]
+        rim = speed / (1.0 - slip) if force * speed > 0.0 else speed * (1.0 - slip)
+        y[state.WHEEL_SPEED + i] = rim / radius[i]
         y[state.SLIP_X + i] = slip if force >= 0.0 else -slip
         y[state.DEFLECTION_X + i] = force / car.tyre.longitudinal_stiffness
         s.motor_torque[i] = asked / car.gear[i] / car.motors[i]
@@ -82,7 +128,7 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
 
 
 def _slip_at(car: Car, curve: Coefficients, use: float) -> float | None:
-    """The slip [1] on the rising part of the friction curve at a friction use [1]; None beyond its peak."""
+    """Slip [1] before the peak of the friction curve at a friction use [1]; None if none has it."""
     kind = car.tyre.curve
     low, high = 0.0, peak_slip(FRICTION_CURVES[int(kind)], tuple(curve))
     if use > friction(kind, high, curve):
@@ -96,10 +142,16 @@ def _slip_at(car: Car, curve: Coefficients, use: float) -> float | None:
     return 0.5 * (low + high)
 
 
-def begin(p: PlanarParameters, car: Car, c: PlanarConstants, kind: type[PlanarState] = PlanarState) -> Any:
-    """Rolling straight ahead, freely or driven, or, without speed, parked: the carcasses hold the car on its slope."""
+def begin(
+    p: PlanarParameters, car: Car, c: PlanarConstants, kind: type[PlanarState] = PlanarState
+) -> Any:
+    """Begin rolling straight ahead, freely or driven; without speed parked.
+
+    The carcasses of a parked car hold it on its slope.
+    """
     s = kind()
-    s.x, s.y, s.state_of_charge = p.initial_x, p.initial_y, car.battery.state_of_charge
+    s.x, s.y = p.initial_x, p.initial_y
+    s.state_of_charge = car.battery.state_of_charge
     y = s.motion
     y[state.VX], y[state.HEADING] = p.initial_speed, p.initial_heading
     y[state.VY], y[state.YAW_RATE] = p.initial_lateral_velocity, p.initial_yaw_rate
@@ -118,8 +170,13 @@ def begin(p: PlanarParameters, car: Car, c: PlanarConstants, kind: type[PlanarSt
 
 
 def _park(s: PlanarState, car: Car, c: PlanarConstants) -> None:
-    """Load the carcasses by the slope, each as far as its friction goes: a car on too steep a slope slides at once."""
-    y, step, front = s.motion, Step(), car.centre_of_mass_to_rear_axle / car.wheelbase
+    """Load the carcasses by the slope, each as far as its friction goes.
+
+    A car on too steep a slope slides at once.
+    """
+    y = s.motion
+    step = Step()
+    front = car.centre_of_mass_to_rear_axle / car.wheelbase
     find_road(y, c.body, step, c.road, True)
     y[state.TRANSFER_X], y[state.TRANSFER_Y] = -step.gravity_x, -step.gravity_y
     step.load = list(loads(y, car, step.gravity_z))
@@ -132,44 +189,42 @@ def _park(s: PlanarState, car: Car, c: PlanarConstants) -> None:
         y[state.DEFLECTION_Y + i] = scale_y * force_y / car.tyre.lateral_stiffness
 
 
-Seen = tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces]
-PLANAR_SIGNALS: tuple[type, ...] = get_args(Seen)
-
-
 @compilable
 def outputs(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState) -> Seen:
-    """All signals at the instant of the state; drive torques are means over the period before it."""
-    return seen(p, car, c, s, working_memory(STEP_MEMORY))
+    """All signals at the instant of the state; drive torques are means over the last period."""
+    return seen(Plant(p, car, c, s, working_memory(STEP_MEMORY)[0]))
 
 
 @compilable
-def seen(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, steps: list[Step]) -> Seen:
-    """The same, with what acts in memory that is handed over, of one record."""
-    y, step = s.motion, steps[0]
+def seen(plant: Plant) -> Seen:
+    """The signals of `outputs`; what acts at this instant is left in the step."""
+    p, car, c, s, step = plant
+    y = s.motion
     step.imposed_acceleration = s.imposed_acceleration
     find_road(y, c.body, step, c.road, True)
     if s.faults.is_struck == 1.0:
         deflate(s.faults, p, car, c.body, step)
     steer(car, step, s.road_wheel_angle, s.rear_angle)
-    rates(y, step.stages.k1, p, car, c.body, step, True)
-    shaft_speeds(car, y[state.WHEEL_SPEED : state.WHEEL_SPEED + 4], step.shaft)
+    rates(y, step.stages.k1, Mechanics(p, car, c.body, step), True)
+    shaft_speeds(car, wheels_from(y, state.WHEEL_SPEED), step.shaft)
     slip_x, slip_y = step.asked, step.target  # memory that nothing else needs here
     for i in range(4):
         step.shaft[i] = step.shaft[i] * car.driven[i] * car.gear[i]
         step.motor[i] = s.motor_torque[i] * car.motors[i]
         slip_x[i], sine = slips(y, car, c.body, step.contact, i)
         slip_y[i] = -asin(min(max(sine, -1.0), 1.0))
-    tyre, power, soc = step.tyre, c.power, s.state_of_charge
-    source, capacity = source_voltage(s, power), power.capacity / 3600.0
-    current = current_at_power(source, power.resistance, s.battery_power)
+    tyre = step.tyre
     return (
-        WheelStates(wheels_from(y, state.WHEEL_ANGLE), wheels_from(y, state.WHEEL_SPEED), wheels_from(s.mean_drive, 0)),
+        WheelStates(
+            wheels_from(y, state.WHEEL_ANGLE),
+            wheels_from(y, state.WHEEL_SPEED),
+            wheels_from(s.mean_drive, 0),
+        ),
         MotorStates(wheels_from(step.shaft, 0), wheels_from(step.motor, 0)),
         InertialMeasurement(y[state.YAW_RATE], step.acceleration_x, step.acceleration_y),
         BodyVelocity(y[state.VX], y[state.VY], y[state.YAW_RATE]),
         BodyPose(s.x, s.y, sin(y[state.HEADING] / 2), cos(y[state.HEADING] / 2)),
-        # Under the power of the last step; the current counts into the battery.
-        BatteryCondition(source - power.resistance * current, -current, soc * capacity, capacity, soc),
+        _battery(s, c.power),
         TireForces(
             wheels_from(step.force_x, 0),
             wheels_from(step.force_y, 0),
@@ -182,45 +237,58 @@ def seen(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, step
 
 
 @compilable
-def wheels_from(values: list[float], place: int) -> Wheels:
-    """Four values from a place on."""
-    return Wheels(values[place], values[place + 1], values[place + 2], values[place + 3])
-
-
-Electrics = tuple[MotorElectrics, MotorTemperatures, CellCondition]
-SeenWithElectrics = tuple[*Seen, *Electrics]
-ELECTRICAL_SIGNALS = (*PLANAR_SIGNALS, *get_args(Electrics))
-
-
-@compilable
-def electrical_outputs(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState) -> SeenWithElectrics:
-    """Those of `planar`, and of motors, inverters and cells at the instant of the state; voltages in steady state."""
-    return _with_electrics(p, car, c, s, working_memory(STEP_MEMORY))
+def _battery(s: PlanarState, power: PowerConstants) -> BatteryCondition:
+    """The battery under the power of the last step; the current counts into it."""
+    source, soc = source_voltage(s, power), s.state_of_charge
+    capacity = power.capacity / 3600.0
+    current = current_at_power(source, power.resistance, s.battery_power)
+    voltage = source - power.resistance * current
+    return BatteryCondition(voltage, -current, soc * capacity, capacity, soc)
 
 
 @compilable
-def _with_electrics(
-    p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, steps: list[Step]
+def electrical_outputs(
+    p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState
 ) -> SeenWithElectrics:
+    """The signals of `planar`, and of motors, inverters and cells; voltages in steady state."""
     wheels, motors, imu, velocity, pose, battery, tires = outputs(p, car, c, s)
-    step, motor, thermal, cells = steps[0], car.motor, car.motor.thermal, car.battery.cells
+    plant = Plant(p, car, c, s, working_memory(STEP_MEMORY)[0])
+    electrics, temperatures, cell = electrics_of(plant)
+    return wheels, motors, imu, velocity, pose, battery, tires, electrics, temperatures, cell
+
+
+@compilable
+def electrics_of(plant: Plant) -> Electrics:
+    """Signals of motors, inverters and cells at the instant of the state."""
+    _, car, c, s, step = plant
+    motor = car.motor
+    thermal = car.motor.thermal
+    cells = car.battery.cells
     step.voltage = terminal_voltage(s, c.power)
-    shaft_speeds(car, s.motion[state.WHEEL_SPEED : state.WHEEL_SPEED + 4], step.shaft)
-    # Memory that nothing else needs here.
-    current, voltage, power = step.asked, step.target, step.motor
-    winding, inverter, inlet, outlet, flow = step.load, step.force_x, step.force_y, step.turned, step.mean_speed
+    shaft_speeds(car, wheels_from(s.motion, state.WHEEL_SPEED), step.shaft)
+    # Memory that nothing else needs here; a wheel without a motor keeps its zeros.
+    current = step.asked
+    voltage = step.target
+    power = step.motor
+    winding, inverter = step.load, step.force_x
+    inlet = step.force_y
+    outlet = step.turned
+    flow = step.mean_speed
     for i in range(4):
         if car.driven[i] == 0.0:
             continue
         torque, speed = s.motor_torque[i], step.shaft[i] * car.gear[i]
         current[i], voltage[i] = phase_values(motor, torque, step.voltage, speed)
-        power[i] = torque * speed * car.motors[i] + drive_loss(p, car, c.power, step, i, torque, step.shaft[i])
+        loss = drive_loss(plant, i, torque, step.shaft[i])
+        power[i] = torque * speed * car.motors[i] + loss
         winding[i] = thermal.coolant + s.winding_rise[i]
         inverter[i] = thermal.coolant + s.inverter_rise[i]
         inlet[i] = thermal.coolant
         outlet[i] = coolant_outlet_temperature(thermal, s.winding_rise[i], s.inverter_rise[i])
         flow[i] = thermal.coolant_flow
-    electrics = MotorElectrics(wheels_from(current, 0), wheels_from(voltage, 0), wheels_from(power, 0))
+    electrics = MotorElectrics(
+        wheels_from(current, 0), wheels_from(voltage, 0), wheels_from(power, 0)
+    )
     temperatures = MotorTemperatures(
         wheels_from(winding, 0),
         wheels_from(inverter, 0),
@@ -229,4 +297,4 @@ def _with_electrics(
         wheels_from(flow, 0),
     )
     cell = CellCondition(step.voltage / cells.in_series, cells.ambient + s.cells_rise)
-    return wheels, motors, imu, velocity, pose, battery, tires, electrics, temperatures, cell
+    return electrics, temperatures, cell
