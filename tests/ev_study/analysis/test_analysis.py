@@ -338,6 +338,13 @@ def test_command_line_prints_what_a_drive_force_does(tmp_path, capsys):
     assert float(printed["W12: excitation N, 0 if the car steers neutrally"][0]) > 0.0
 
 
+@pytest.mark.parametrize("speed", ["0", "-5"])
+def test_linear_models_are_of_a_car_that_goes_ahead(tmp_path, capsys, speed):
+    with pytest.raises(SystemExit):
+        analyse(["audi_a2", f"--speed={speed}", "--out", str(tmp_path)])
+    assert f"'{speed}' is refused, expected a number, 0.1 or more" in capsys.readouterr().err
+
+
 def test_command_line_says_in_one_line_what_is_wrong(tmp_path):
     turning_in = ["audi_a2", "--speed", "25", "--road-wheel-angle", "10"]
     for words, line in ((["audi_a3"], "unknown vehicle 'audi_a3'"), (turning_in, "no steady motion at 25 m/s")):

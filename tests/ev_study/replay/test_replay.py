@@ -112,6 +112,17 @@ def test_what_cannot_be_replayed_is_one_line(words: list[str], said: str, places
     assert not (tmp_path / "out").exists()
 
 
+def test_a_recorded_answer_that_is_no_number_is_refused(turn: Path, tmp_path: Path):
+    """It would differ from the replayed one by no number."""
+    channels = dict(load(turn / "signals.npz").channels)
+    name = "torque_command.drive.front_left"
+    channels[name] = np.where(np.arange(len(channels[name])) == 7, np.nan, channels[name])
+    save(Recording(load(turn / "signals.npz").time, channels), tmp_path / "signals.npz")
+    shutil.copy(turn / "parameters.yaml", tmp_path)
+    with pytest.raises(SystemExit, match=rf"{name} at 0\.07 s is nan, expected a finite number"):
+        main(["replay", str(tmp_path), "--node", "asr", "--out", str(tmp_path / "out")])
+
+
 def test_instants_that_are_not_those_of_a_control_period_are_refused(turn: Path, tmp_path: Path):
     recording = load(turn / "signals.npz")
     again = Recording(recording.time[:300], {name: row[:300] for name, row in recording.channels.items()})

@@ -63,6 +63,7 @@ def cases_of(name: str, *words: str) -> list[Case]:
             "--vary 'plant.initial_speed=1:2:0' is refused, expected a COUNT from 2",
         ),
         ("sweep coast_down --vary plant.road.left=[ice", "--vary 'plant.road.left=[ice' is refused, expected x,y,z"),
+        (f"energy {CARS} --duration 60", "--duration 60 is refused: what was measured is of whole cycles"),
         ("faults --duration 4", "--duration 4 is refused: what this study measures comes later, expected 5 s"),
         ("bench_difference --duration 1", "--duration 1 is refused: what this study measures comes later"),
         ("bench_convergence --duration 1", "--duration 1 is refused: what this study measures comes later"),

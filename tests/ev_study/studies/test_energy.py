@@ -70,7 +70,7 @@ def test_a_car_is_new_unless_the_assumptions_were_fitted_to_its_code(tmp_path):
     """A list of other cars is all new, whatever its order; a fitted code of the shipped assumptions is not."""
     known = sorted(read_assumptions().fitted)[0]
     file = listed(tmp_path, [car("X", DRIVES[0]), car(known, DRIVES[0]), car("Y", DRIVES[1])])
-    given = SimpleNamespace(cars=file, assumptions=None, fit=False, only=[])
+    given = SimpleNamespace(cars=file, assumptions=None, fit=False, only=[], duration=None)
     driven = SimpleNamespace(measured={"consumption": 150.0})
     results = dict.fromkeys([case.name for case in energy.cases(given)], driven)
     assert [row[2] for row in energy.rows(given, results)] == ["new", "fit", "new"]
@@ -88,7 +88,9 @@ def test_a_car_is_new_unless_the_assumptions_were_fitted_to_its_code(tmp_path):
 @pytest.mark.parametrize("drive", DRIVES)
 def test_the_plant_agrees_with_the_sums_over_the_cycle(tmp_path, drive):
     """Within 2 % on the HWFET: the sums follow the cycle exactly, a driver does not."""
-    given = SimpleNamespace(cars=listed(tmp_path, [car("X", drive)]), assumptions=None, fit=False, only=[])
+    given = SimpleNamespace(
+        cars=listed(tmp_path, [car("X", drive)]), assumptions=None, fit=False, only=[], duration=None
+    )
     ours = drive_case(energy.cases(given)[1], energy.measure).measured
     assumed = read_assumptions()
     wanted = consumption(read_cars(given.cars)[0], "hwfet", assumed) * assumed.charger_efficiency

@@ -14,9 +14,10 @@ import ev_stack
 from ev_core.parameters.data_file import find_file
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.commands.run_scenario import main
+from ev_stack.recording.outcome import RunFailed
 from ev_stack.recording.recording import load, signal_hash
 from ev_stack.report.tables import write_tables
-from ev_study.studies import sweep
+from ev_study.studies import run_study, sweep
 from ev_study.studies.run_study import arguments
 from ev_study.studies.study import drive_case
 
@@ -95,6 +96,27 @@ def test_signals_are_kept_where_they_are_asked_for(folder):
     sweep_into(folder, "--signals")
     cases = json.loads((folder / "summary.json").read_text())["cases"]
     assert {name: signal_hash(load(folder / case["signals"])) for name, case in cases.items()} == hashes
+
+
+@pytest.mark.slow
+def test_signals_stay_while_another_command_drives_the_same(tmp_path, monkeypatch):
+    """It begins when the first one has driven, and is stopped at once: both keep signals in one place."""
+    drive = run_study.drive_cases
+
+    def stopped(*given):
+        raise RunFailed("stopped")
+
+    def drive_while_another_begins(*given):
+        driven = drive(*given)
+        monkeypatch.setattr(run_study, "drive_cases", stopped)
+        with pytest.raises(SystemExit, match="stopped"):
+            sweep_into(tmp_path / "other", "--signals", "--anew")
+        return driven
+
+    monkeypatch.setattr(run_study, "drive_cases", drive_while_another_begins)
+    sweep_into(tmp_path / "first", "--signals")
+    for case in json.loads((tmp_path / "first" / "summary.json").read_text())["cases"].values():
+        assert signal_hash(load(tmp_path / "first" / case["signals"])) == case["signal_hash"]
 
 
 @pytest.mark.slow

@@ -143,17 +143,18 @@ def recording_of_series(series: np.ndarray, topics: Iterable[Topic]) -> Recordin
     return Recording(series[frame.TIME], channels)
 
 
-def save(recording: Recording, path: Path | str) -> None:
+def save(recording: Recording, path: Path | str, replaces: bool = False) -> None:
     """Write signals.npz: one array per channel under its name, plus `time`."""
-    write_signals(path, chain([(TIME, recording.time)], recording.channels.items()))
+    write_signals(path, chain([(TIME, recording.time)], recording.channels.items()), replaces)
 
 
-def write_signals(path: Path | str, series: Iterable[tuple[str, np.ndarray]]) -> None:
+def write_signals(path: Path | str, series: Iterable[tuple[str, np.ndarray]], replaces: bool = False) -> None:
     """The same from names and arrays that come one by one: the bytes of `numpy.savez`, which would need all at once.
 
-    Not compressed: deflating takes five times as long and saves half of a few megabytes.
+    `replaces` is that of `atomic_file`. Not compressed: deflating takes five times as long and saves half of a few
+    megabytes.
     """
-    with atomic_file(path) as file, ZipFile(file, "w") as archive:
+    with atomic_file(path, replaces) as file, ZipFile(file, "w") as archive:
         for name, values in series:
             with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
                 np.lib.format.write_array(entry, values, allow_pickle=False)

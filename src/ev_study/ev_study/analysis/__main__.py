@@ -133,7 +133,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("vehicle", help="name of a file in config/vehicles, or path of your own")
     parser.add_argument("--surface", default=REFERENCE, choices=sorted(SURFACES), help="default: %(default)s")
-    parser.add_argument("--speed", type=real(), default=8.0, metavar="M/S", help="default: %(default)s")
+    parser.add_argument("--speed", type=real(0.1), default=8.0, metavar="M/S", help="ahead; default: %(default)s")
     parser.add_argument(
         "--road-wheel-angle", type=real(-90.0, 90.0), default=0.0, metavar="DEG", help="of steady cornering"
     )

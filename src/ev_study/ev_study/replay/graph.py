@@ -134,6 +134,7 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
     except ParameterError as error:
         raise ParameterError(f"{role}: {error}") from None
     _refuse_missing(recorded, configuration)
+    _refuse_not_finite(recorded, configuration)
     for _, key, _ in overrides.values:
         refuse_unused(key, [configuration])
     return Replay(recorded, role, values, duration, configuration)
@@ -157,6 +158,16 @@ def _refuse_other_car(driven: ParameterFile, namespace: str, role: str, values: 
     for name, value in values.items():
         if name.startswith(f"{VEHICLE}.") and value != car.get(name, value):
             raise ParameterError(f"{name} {value} is refused: {car[name]} was driven ({driven.path})")
+
+
+def _refuse_not_finite(recorded: Recorded, configuration: Configuration) -> None:
+    """ParameterError for a recorded answer that is no number: nothing can be told to differ from it."""
+    for signal in filter(recorded.has, configuration.method.writes):
+        for name in TOPICS[signal].channels:
+            values = recorded.recording.channels[name]
+            for place in np.flatnonzero(~np.isfinite(values))[:1]:
+                at = f"{name} at {recorded.recording.time[place]:g} s"
+                raise ParameterError(f"{recorded.source}: {at} is {values[place]}, expected a finite number")
 
 
 def _refuse_missing(recorded: Recorded, configuration: Configuration) -> None:

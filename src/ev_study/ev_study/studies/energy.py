@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.profiles.profile import cycle_values
 from ev_stack.measures import motion
 from ev_stack.measures.metric import Metric, channel
@@ -76,7 +77,9 @@ def _fitted(file: Path) -> Assumptions:
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """Each car on each cycle."""
+    """Each car on each cycle; ParameterError for a duration, with which a part would be held against the whole."""
+    if given.duration is not None:
+        raise ParameterError(f"--duration {given.duration:g} is refused: what was measured is of whole cycles")
     assumptions = _assumptions(given)
     return [
         Case(

@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -112,8 +111,8 @@ class MeasureAndSave:
 
     def __call__(self, recording: Recording, run: Run) -> Mapping[str, Any]:
         self.path.parent.mkdir(exist_ok=True)
-        with suppress(FileExistsError):  # of a case that is the same under another name
-            save(recording.shown or recording, self.path)
+        # The same case under another name, or another command, may write the same bits there at this time.
+        save(recording.shown or recording, self.path, replaces=True)
         return self.measure(recording, run)
 
 

@@ -222,8 +222,6 @@ def _drive(
     before = () if given.anew else cases
     found = {case.name: result for case in before if (result := rows.of(case)) is not None}
     found = {key: result for key, result in found.items() if key not in paths or is_zipfile(paths[key])}
-    for each in paths.keys() - found.keys():
-        paths[each].unlink(missing_ok=True)  # where a crash has cut it off
     missing = {case.name: case for case in cases if case.name not in found}
     if missing and given.scheduler is None:
         seconds = timedelta(seconds=math.ceil(estimated_time(list(missing.values()), given.workers)))
@@ -238,7 +236,7 @@ def _drive(
         driven = drive_cases(list(missing.values()), measures, keep, given.scheduler, given.workers) if missing else []
     results = {**found, **{result.name: result for result in driven}}
     for case, result in results.items():
-        if case in paths and not result.refused and not paths[case].exists():
+        if case in paths and not result.refused and not is_zipfile(paths[case]):
             raise RunFailed(f"{case}: its worker has written no {paths[case]}, which --signals needs all to see")
     return [results[case.name] for case in cases], len(found)
 

@@ -161,8 +161,7 @@ def _texts(of: Any) -> Iterator[str]:
 
 def _keep_signals(path: Path, recording: Recording, run: Run) -> Mapping[str, Any]:
     """What a worker does with the signals of a run of a scenario: it writes them where they are looked for."""
-    with suppress(FileExistsError):  # another command has driven the same meanwhile
-        save(recording, path)
+    save(recording, path, replaces=True)  # another command may have driven the same meanwhile
     return {}
 
 
@@ -204,7 +203,6 @@ def drive(needs: Iterable[Need], kept: ResultStore, drive_cases: Drive) -> dict[
             if study and _measured_at(path, case.name) is None:
                 jobs[path] = case, partial(keep_measured, path, study_named(study).measure)
             elif not (study or is_zipfile(path)):  # nor is it where a crash has cut it off
-                path.unlink(missing_ok=True)
                 jobs[path] = case, partial(_keep_signals, path)
     results = drive_cases(*zip(*jobs.values(), strict=True)) if jobs else []
     for path, result in zip(jobs, results, strict=True):
