@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from ev_core.faults.fault import parsed as parsed_faults
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import CommonParameters, all_methods
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.register import all_methods
 from ev_core.parameters.declaration import Entry, entries
 from ev_core.parameters.values import ACCEPTED, check, number_of
 from ev_msgs_py.refusal import ParameterError

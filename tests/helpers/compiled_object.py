@@ -9,7 +9,7 @@ import numpy as np
 
 from ev_core.compiled.part import CompiledPart
 from ev_core.compiling.machine_code import call
-from ev_core.methods.register import Method
+from ev_core.methods.method_record import Method
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.signals import Instant

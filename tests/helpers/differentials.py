@@ -8,7 +8,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import create, refuse_layout
+from ev_core.methods.method_record import create, refuse_layout
 from ev_core.parameters.declaration import Choice
 from ev_core.parameters.record import names
 from ev_core.vehicle.description import Vehicle

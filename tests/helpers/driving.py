@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import create
+from ev_core.methods.method_record import create
 from ev_core.parameters.record import names
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle

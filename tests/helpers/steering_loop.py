@@ -8,7 +8,7 @@ import numpy as np
 from helpers.differentials import SHCHUR, Differential
 
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import create
+from ev_core.methods.method_record import create
 from ev_core.parameters.record import names
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels

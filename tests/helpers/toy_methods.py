@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ev_core.lockstep.configuration import Configuration
-from ev_core.methods.register import CommonParameters, Method
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.method_record import Method
 from ev_core.parameters.values import build
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.roles import ROLES, RoleKind

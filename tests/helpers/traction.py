@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.finding import find_method
 from ev_core.methods.law import namespace
-from ev_core.methods.register import create, methods_of
+from ev_core.methods.method_record import create
+from ev_core.methods.register import methods_of
 from ev_core.parameters.declaration import number_tree
 from ev_core.parameters.record import names
 from ev_core.parameters.values import build

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ev_core.methods.register import Method, methods_of, node_package
+from ev_core.methods.method_record import Method
+from ev_core.methods.register import methods_of, node_package
 from ev_msgs_py.contract.roles import ROLES
 
 

@@ -8,7 +8,7 @@ from documentation.markdown import code, codes, table
 from documentation.own_methods import own_methods
 from ev_bench.inverter.device import InverterNodeParameters
 from ev_bench.inverter_gateway.gateway import GatewayParameters
-from ev_core.methods.register import CommonParameters
+from ev_core.methods.common_parameters import CommonParameters
 from ev_core.parameters.declaration import Entry, entries
 from ev_core.sensors.row import QUANTITIES
 from ev_core.vehicle.description import Vehicle

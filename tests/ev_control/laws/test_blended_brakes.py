@@ -11,7 +11,7 @@ from helpers.traction import ROLE, Measured, swapped
 
 import ev_stack
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import create
+from ev_core.methods.method_record import create
 from ev_core.parameters.values import build
 from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.description import Vehicle

@@ -9,8 +9,9 @@ from typing import Any
 
 from ev_core.law import Wheels, WheelTorqueCommand, WheelTorqueRequest, compilable, entry, parameter
 from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.common_parameters import CommonParameters
 from ev_core.methods.law import Law
-from ev_core.methods.register import CommonParameters, Method
+from ev_core.methods.method_record import Method
 
 
 @dataclass(frozen=True, slots=True)

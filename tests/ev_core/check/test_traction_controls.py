@@ -8,7 +8,7 @@ from helpers.traction import FASTEST, METHODS, SPEED_MODE, configured
 from ev_core.check.method import check_configuration
 from ev_core.check.reached import reached
 from ev_core.check.stepping import RandomInputs, Subject
-from ev_core.methods.register import create
+from ev_core.methods.method_record import create
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 pytestmark = pytest.mark.slow

@@ -9,7 +9,7 @@ from typing import Any
 from helpers.compiled_object import CompiledObject
 
 from ev_core.methods.law import Law
-from ev_core.methods.register import Method, create
+from ev_core.methods.method_record import Method, create
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels

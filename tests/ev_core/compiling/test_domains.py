@@ -26,8 +26,8 @@ from ev_core.law import (
 )
 from ev_core.methods.law import Law
 from ev_core.methods.law_error import LawError
+from ev_core.methods.method_record import Method, create
 from ev_core.methods.part import PythonPart
-from ev_core.methods.register import Method, create
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.frame import Frame
 

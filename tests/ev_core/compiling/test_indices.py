@@ -37,8 +37,8 @@ from ev_core.lockstep.finding import find_method
 from ev_core.lockstep.parts import part_of
 from ev_core.methods.law import Law, NoParameters
 from ev_core.methods.law_error import LawError
+from ev_core.methods.method_record import Method, create
 from ev_core.methods.part import PythonPart
-from ev_core.methods.register import Method, create
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.frame import PLACES as PLACES_OF
 from ev_msgs_py.contract.frame import Frame

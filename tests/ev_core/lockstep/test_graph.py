@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from ev_core.lockstep.finding import find_method
 from ev_core.lockstep.graph import GraphError, sequence, step_order, writers
 from ev_core.methods import register as registered
-from ev_core.methods.register import Method, all_methods, method
+from ev_core.methods.method_record import Method
+from ev_core.methods.register import all_methods, method
 from ev_msgs_py.contract.roles import ROLES, Role, RoleKind
 from ev_msgs_py.contract.signals import (
     BodyPose,

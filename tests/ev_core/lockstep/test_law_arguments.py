@@ -11,7 +11,7 @@ import pytest
 from ev_core.check.method import check_method
 from ev_core.law import NO_WHEELS, Choice, Instant, Vehicle, Wheels, WheelStates, WheelTorqueRequest, group, parameter
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import create
+from ev_core.methods.method_record import create
 from ev_core.parameters.declaration import entries, flatten, number_tree
 from ev_core.parameters.values import build
 from ev_msgs_py.refusal import ParameterError

@@ -11,7 +11,8 @@ from helpers.toy_methods import toy, toy_graph
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.finding import find_method
 from ev_core.lockstep.graph import check_graph
-from ev_core.methods.register import CommonParameters, all_methods, method, methods_of, refuse_taken
+from ev_core.methods.common_parameters import CommonParameters, refuse_taken
+from ev_core.methods.register import all_methods, method, methods_of
 from ev_core.parameters.declaration import flatten, parameter
 from ev_core.parameters.values import entries_by_name
 from ev_msgs_py.contract.roles import MASTER, REQUIRED, ROLES

@@ -73,7 +73,7 @@ def test_without_a_config_folder_the_way_out_is_named(tmp_path, monkeypatch):
             "speed,torque_nm,efficiency\n",
             "no header with the columns one of speed_radps and speed_rpm, torque_nm",
         ),
-        ("speed_rpm,torque_nm,efficiency,torque_nm\n", "line 1: column torque_nm stands there twice, expected once"),
+        ("speed_rpm,torque_nm,efficiency,torque_nm\n", "line 1: column torque_nm is listed twice, expected once"),
         (HEADER + "10,1,0.9\n20,1,0.9\n10,2,0.9\n", "2.0944 rad/s and 2 N m is there 0 times, expected once"),
         (HEADER + "10,1,0.9\n10,1,0.8\n", "1.0472 rad/s and 1 N m is there 2 times, expected once"),
         (HEADER + "10,1,0.9\n20,1,1.1\n10,2,1\n20,2,1\n", r"map_efficiency: .*1.1.* is refused, expected 0.01 to 1"),

@@ -11,8 +11,8 @@ from helpers.patience import PATIENCE
 from helpers.ros_graph import Probe, node_of, ros_domain
 
 from ev_core.lockstep.finding import find_method
+from ev_core.methods.method_record import create
 from ev_core.methods.part import CalledBack
-from ev_core.methods.register import create
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.contract.frame import TIME, Frame

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import create
+from ev_core.methods.method_record import create
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import BodyVelocity, Instant, SteeringColumnState

@@ -8,7 +8,7 @@ import pytest
 from column.columns import CAR, LEVER, RATIO, K, wheels_with
 
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import create
+from ev_core.methods.method_record import create
 from ev_core.parameters.record import names
 from ev_core.parameters.values import build
 from ev_msgs_py.contract.signals import DriverCommand

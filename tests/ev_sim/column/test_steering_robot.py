@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import create
+from ev_core.methods.method_record import create
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import Instant

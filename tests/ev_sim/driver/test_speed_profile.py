@@ -6,7 +6,7 @@ import pytest
 from helpers.driving import CAR, CENTRED, PERIOD, PointMass, at, driver_of, ride
 
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import create
+from ev_core.methods.method_record import create
 from ev_core.parameters.values import build
 from ev_msgs_py.contract.signals import DriverCommand, Instant
 from ev_msgs_py.refusal import ParameterError

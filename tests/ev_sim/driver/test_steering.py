@@ -9,7 +9,7 @@ import pytest
 from helpers.driving import CAR, CENTRED, PERIOD, at, driver_of, state_of
 
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import create
+from ev_core.methods.method_record import create
 from ev_core.parameters.values import build
 from ev_msgs_py.contract.signals import Instant, SteeringColumnState, WheelStates
 from ev_msgs_py.contract.wheels import NO_WHEELS

@@ -10,7 +10,7 @@ import pytest
 from helpers.toy_methods import ToyParameters, toy, toy_graph
 
 from ev_core.lockstep.configuration import Configuration
-from ev_core.methods.register import Method
+from ev_core.methods.method_record import Method
 from ev_msgs_py.contract.fields import SignalError, shape_of
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.contract.signals import (

@@ -68,7 +68,7 @@ def test_role_plays_what_was_recorded_in_any_run(turn: Path, tmp_path: Path):
         hash_of(duration=12.0)
     with pytest.raises(ParameterError, match=r"are none of a control_period of 0.02 s"):
         hash_of(("*", "control_period", 0.02), duration=11.0)
-    with pytest.raises(ParameterError, match="a asr says torque_command, none of it is in the file"):
+    with pytest.raises(ParameterError, match="a asr writes torque_command, none of it is in the file"):
         save(Recording(np.zeros(2), {"mine": np.zeros(2)}), tmp_path / "mine.npz")
         hash_of(("asr", "method", str(tmp_path / "mine.npz")), duration=11.0)
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from ev_core.check.stepping import Subject, outputs
 from ev_core.compiling.fingerprint import Reach
-from ev_core.methods.register import Method
+from ev_core.methods.method_record import Method
 
 _BESIDES = ("reports", "goes_on", "state")  # hooks that a run may never call
 _Line = tuple[CodeType, int]

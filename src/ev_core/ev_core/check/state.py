@@ -18,8 +18,8 @@ from ev_core.compiled.part import CompiledPart, NeedsPython
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.parts import hand_over
 from ev_core.methods.law_error import LawError
+from ev_core.methods.method_record import create
 from ev_core.methods.part import Part, PythonPart
-from ev_core.methods.register import create
 from ev_core.parameters.declaration import Entry, entries
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import SignalError, shape_of

@@ -59,7 +59,7 @@ os.register_at_fork(after_in_child=_idle.clear)  # their threads are not there
 def interruptible(call: Callable[[], Any], works_on: Any = None) -> Any:
     """Return the result of a call, or raise its error; KeyboardInterrupt where a signal ends the wait.
 
-    `works_on` holds the memory whose addresses compiled code is given: a call that is given up goes on with it. Other
+    `works_on` holds the memory on which compiled code works by its address: a call that is given up goes on. Other
     threads than the main one, which get no signals, make the call themselves.
     """
     if threading.current_thread() is not threading.main_thread():

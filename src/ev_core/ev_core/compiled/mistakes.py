@@ -28,7 +28,7 @@ from ev_core.compiling.machine_code import TakesInterpreter
 from ev_core.methods.index_error import parsed
 from ev_core.methods.law import GIVEN, Law, LawObject
 from ev_core.methods.law_error import beginning, in_words, is_of_author
-from ev_core.methods.register import Method
+from ev_core.methods.method_record import Method
 from ev_core.parameters.record import entries_without_number
 from ev_msgs_py.compilable import FUNCTIONS
 from ev_msgs_py.contract.fields import shape_of
@@ -206,7 +206,11 @@ def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
     given = made.step(*signals)
     for name, value in entries_without_number(made.given["s"]):
         file, begin = beginning(law.function)
-        line = next((node.lineno for node, text in _assigned(law.function) if text == f"s.{name}"), 1)
+        entry = f"s.{name}."
+        lines = (
+            node.lineno for node, text in _assigned(law.function) if entry.startswith(f"{text.partition('[')[0]}.")
+        )
+        line = next(lines, 1)
         return file, begin + line - 1, f"s.{name} becomes {type(value).__name__}, expected a number"
     if ROLES[method.role].kind is RoleKind.INTEGRATES:
         given = made.outputs()

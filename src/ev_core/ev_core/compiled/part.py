@@ -1,4 +1,4 @@
-"""A law whose functions run compiled, and the sensors and faults behind it, as the compiled loop calls them."""
+"""A compiled law, and the sensors and faults behind it, as the compiled loop calls them."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from ev_core.faults import row
 from ev_core.faults.row import FaultRow
 from ev_core.methods.law import Given
 from ev_core.methods.law_error import LawError, beginning, in_law, named, notes_of
+from ev_core.methods.method_record import Method, create
 from ev_core.methods.part import PythonPart
-from ev_core.methods.register import Method, create
 from ev_core.parameters.record import fill, numbers
 from ev_core.sensors import measuring
 from ev_core.sensors.row import SensorRow

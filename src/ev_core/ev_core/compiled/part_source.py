@@ -30,8 +30,8 @@ import numpy as np
 
 from ev_core.methods.law import Given, Law, asked_for, given_names, signals_in
 from ev_core.methods.law_error import kind_of
+from ev_core.methods.method_record import Method
 from ev_core.methods.part import without_sign
-from ev_core.methods.register import Method
 from ev_core.parameters.record import numbers, record_type, shape_of_record, working_memory
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import frame
@@ -99,7 +99,7 @@ def _records(c: Any) -> list[Any]:
 
 @compilable
 def table(row: Any, place: int) -> Any:
-    """The table whose place and length stand at a place of the row."""
+    """The table with its place and length at this place of the row."""
     begin = int(row[place])
     return row[begin : begin + int(row[place + 1])]
 

@@ -192,7 +192,7 @@ def forget_made_of(functions: Sequence[Callable[..., Any]]) -> None:
             template._impl_cache.clear()
 
 
-_replaced: list[Any] = []  # machine code of C functions, whose addresses others may hold
+_replaced: list[Any] = []  # machine code of C functions, since others may hold their addresses
 
 
 def make_anew(made: Iterable[Any]) -> None:

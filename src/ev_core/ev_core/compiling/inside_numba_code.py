@@ -123,8 +123,8 @@ def _name_helpers(binding: Any) -> None:
             binding.add_symbol(name, address)
 
 
-# In the compiler's text a call by which a function takes the interpreter, and what stands beside one that only an error
-# leads to: C functions report exceptions, a C function that is called may have no address, a library may be missing.
+# In the compiler's text a call by which a function takes the interpreter, and the marks of one that only an error leads
+# to: C functions report exceptions, a C function that is called may have no address, a library may be missing.
 _TAKEN = re.compile(r"\bcall [^\n]*@numba_gil_ensure\(")
 _ONLY_OF_ERRORS = re.compile(r"^define [^\n]*@cfunc\.|\bcall [^\n]*(?:_get_wrapper_address\)|@Py_FatalError\()", re.M)
 

@@ -80,7 +80,7 @@ def _loaded(key: str) -> int:
 
 
 class Code(NamedTuple):
-    """A text whose function `step` is one of C, with its name and the names that it uses."""
+    """A text with a C function `step`, its name and the names that it uses."""
 
     name: str
     text: str

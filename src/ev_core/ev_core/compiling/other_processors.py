@@ -72,7 +72,7 @@ define i32 @{symbol}(ptr %now, ptr %next, ptr %state, ptr %constants) {{
   ret i32 %status
 }}
 """
-# A law whose indices are checked looks in `raised` for an exception before it raises one, and gives a status itself.
+# A law with checked indices looks in `raised` for an exception before it raises one, and gives a status itself.
 _CALLED_CHECKED = """
 define i32 @{symbol}(ptr %now, ptr %next, ptr %state, ptr %constants) {{
   %given = alloca i32

@@ -4,7 +4,7 @@ The C library's sin, exp, ... round differently with and without FMA, from versi
 Ours are written with additions, multiplications, divisions and square roots in a fixed order, which IEEE 754 rounds in
 one way only, so Python and compiled code give the same bits everywhere. All are at most 1 ulp off and raise nothing.
 
-Those of `math` that stand here, too, are safe as they are: IEEE 754 wants `sqrt` correctly rounded, and the results of
+Those of `math` among them are safe as they are: IEEE 754 wants `sqrt` correctly rounded, and the results of
 `copysign`, `fabs`, `floor` and `isfinite` are exact. `sqrt` of a negative number and `floor` of what is not finite
 raise; in compiled functions of ours they do not: ask before.
 """

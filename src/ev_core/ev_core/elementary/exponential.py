@@ -32,7 +32,7 @@ COARSE_ZERO = 32
 COARSE = tuple(ldexp(1.0, 32 * k) for k in range(-COARSE_ZERO, 32))
 
 
-# Follows fdlibm, whose notice this is:
+# Follows fdlibm; its notice:
 # Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
 # Developed at SunSoft, a Sun Microsystems, Inc. business.
 # Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is

@@ -5,7 +5,7 @@ from math import copysign, inf, nan, sqrt
 from ev_core.elementary.parts import HALF_PI, HALF_PI_TAIL, PI, PI_TAIL, QUARTER_PI, QUARTER_PI_TAIL, upper_half
 from ev_msgs_py.compilable import compilable
 
-# Follows fdlibm, whose notice this is:
+# Follows fdlibm; its notice:
 # Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
 # Developed at SunSoft, a Sun Microsystems, Inc. business.
 # Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
@@ -86,7 +86,7 @@ A10 = 1.62858201153657823623e-02
 
 @compilable
 def arc_excess(t: float) -> float:
-    """What atan(t) falls short of t, for |t| <= 7/16."""
+    """Difference t - atan(t), for |t| <= 7/16."""
     z = t * t
     w = z * z
     odd = z * (A0 + w * (A2 + w * (A4 + w * (A6 + w * (A8 + w * A10)))))

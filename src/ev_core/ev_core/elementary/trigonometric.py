@@ -96,7 +96,7 @@ def times_half_pi(rest: float, tail: float) -> tuple[float, float]:
     return result, (product - result) + error
 
 
-# Follows fdlibm, whose notice this is:
+# Follows fdlibm; its notice:
 # Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
 # Developed at SunSoft, a Sun Microsystems, Inc. business.
 # Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
@@ -104,7 +104,7 @@ def times_half_pi(rest: float, tail: float) -> tuple[float, float]:
 
 QUARTERS = 0.6366197723675814  # 2 / pi
 
-# pi / 2 in parts of 33 bits, whose multiples are exact up to 2**20, each with all that is missing behind it.
+# pi / 2 in parts of 33 bits, with exact multiples up to 2**20, each with the rest that is missing behind it.
 PART_1, BEHIND_1 = 1.57079632673412561417, 6.07710050650619224932e-11
 PART_2, PART_3, BEHIND_3 = 6.07710050630396597660e-11, 2.02226624871116645580e-21, 8.47842766036889956997e-32
 

@@ -2,7 +2,7 @@
 
 The compiler makes one evaluation of four numbers at once of a loop over the wheels that calls them.
 Polynomials with the least largest relative error (Remez, Comptes rendus 198, 1934) of odd powers, in the order of
-Estrin (Proc. Western Joint Computer Conference, 1960), whose terms do not wait for each other.
+Estrin (Proc. Western Joint Computer Conference, 1960), in which terms do not wait for each other.
 """
 
 from ev_core.elementary.parts import HALF_PI, PI, QUARTER_PI

@@ -20,7 +20,7 @@ class Kind:
 
     @property
     def has_value(self) -> bool:
-        """Whether a fault of this kind has a value."""
+        """True if a fault of this kind has a value."""
         return self.low < self.high
 
 
@@ -68,13 +68,13 @@ def faults_parameter() -> Any:
 
 @dataclass(frozen=True, slots=True)
 class FaultParameters:
-    """The faults of a node whose method does not ask for them itself."""
+    """The faults of a node with a method that does not ask for them itself."""
 
     faults: tuple[str, ...] = faults_parameter()
 
 
 class Fault(NamedTuple):
-    """What goes wrong, where, how much, and from when until when [s]."""
+    """One fault: its kind, its place, its value, and its begin and end [s]."""
 
     text: str
     kind: str

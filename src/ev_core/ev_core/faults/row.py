@@ -81,13 +81,13 @@ def suffer(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> N
 
 @compilable
 def sent(number: float, rounds: float, unsigned: float) -> float:
-    """What a message carries of a number."""
+    """A number as a message carries it."""
     return 0.0 if unsigned == 1.0 and number < 0.0 else carried(number, rounds)
 
 
 @compilable
 def remembered(state: Numbers, c: Sequence[float], period: int, is_on: bool, true: float) -> float:
-    """What a fault shows that knows earlier numbers, and remembers this one."""
+    """The number shown by a fault that knows earlier numbers, and remembers this one."""
     begun, length, kind = int(c[MEMORY]), int(c[LENGTH]), c[KIND]
     memory = begun + 1
     if state[begun] == 0.0:
@@ -117,7 +117,7 @@ def words(c: Sequence[float], period: int, block: int, purpose: int) -> tuple[in
 
 @compilable
 def is_drawn(c: Sequence[float], period: int) -> bool:
-    """Whether it happens in a period, to all numbers of the fault at once, with the probability that its value is."""
+    """Return whether a fault happens in a period, to all its numbers at once; its value is the probability."""
     w0, w1, _, _ = words(c, period, 0, FOR_LOSS)
     return uniform(w0, w1) < c[VALUE]
 

@@ -10,9 +10,11 @@ from typing import Any, TypeVar
 from ev_core.faults.fault import FaultParameters
 from ev_core.faults.row import refuse_faults
 from ev_core.lockstep.finding import find_method, text_of
+from ev_core.methods.common_parameters import CommonParameters, refuse_taken
 from ev_core.methods.hooks import ReadingFiles
 from ev_core.methods.law_error import WrongResultError, in_law
-from ev_core.methods.register import CommonParameters, Method, create, methods_of, refuse_layout, refuse_taken
+from ev_core.methods.method_record import Method, create, refuse_layout
+from ev_core.methods.register import methods_of
 from ev_core.parameters.declaration import Entry, Spec, defaults, entries, flatten
 from ev_core.parameters.values import entries_by_name, replaced
 from ev_core.sensors.random_numbers import seeded

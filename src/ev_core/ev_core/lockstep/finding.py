@@ -10,8 +10,9 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
+from ev_core.methods.method_record import RECORDINGS, Method
 from ev_core.methods.playback import playback_method
-from ev_core.methods.register import RECORDINGS, Method, load_installed_methods, methods_of, registered_by
+from ev_core.methods.register import load_installed_methods, methods_of, registered_by
 from ev_core.native.method import library_method
 from ev_core.parameters.data_file import TEXT, TextOfFile, find_file, read_data, tell
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
@@ -26,22 +27,22 @@ def method_of_file(role: str, name: str) -> Method:
 
     A file is run once for each text that it has.
     """
-    who, (file, _, chosen) = f"{role} method {name}", name.partition(f"{LAW_FILE}:")
+    label, (file, _, chosen) = f"{role} method {name}", name.partition(f"{LAW_FILE}:")
     path = find_file(file.removesuffix(LAW_FILE) + LAW_FILE).absolute()
     try:
         text = read_data(path, TEXT)
     except OSError as error:
-        raise ParameterError(f"{who}: {error.strerror}", "method") from None
+        raise ParameterError(f"{label}: {error.strerror}", "method") from None
     if (path, text) not in _registered:
-        _registered[path, text] = _run(who, path, text)
+        _registered[path, text] = _run(label, path, text)
     methods = _registered[path, text].get(role, {})
     names = ", ".join(methods)
     if not methods:
-        raise ParameterError(f'{who}: the file has no law of this node, marked @method("{role}", ...)', "method")
+        raise ParameterError(f'{label}: the file has no law of this node, marked @method("{role}", ...)', "method")
     if not chosen and len(methods) > 1:
-        raise ParameterError(f"{who}: the file has several laws: {names}; choose one by {path.name}:NAME", "method")
+        raise ParameterError(f"{label}: the file has several laws: {names}; choose one by {path.name}:NAME", "method")
     if chosen and chosen not in methods:
-        raise ParameterError(f"{who}: the file has no law {quoted(chosen)}, expected one of {names}", "method")
+        raise ParameterError(f"{label}: the file has no law {quoted(chosen)}, expected one of {names}", "method")
     return replace(methods[chosen or names], name=name)
 
 
@@ -53,15 +54,15 @@ def text_of(method: Method) -> str:
     return ""
 
 
-def _run(who: str, path: Path, text: bytes) -> dict[str, dict[str, Method]]:
+def _run(label: str, path: Path, text: bytes) -> dict[str, dict[str, Method]]:
     """Methods that a file registers; it is run as a module of its own, named after its path."""
     name = f"{path.stem}_{hashlib.sha256(bytes(path)).hexdigest()[:8]}"
     spec: Any = spec_from_file_location(name, path)
     module = sys.modules[name] = module_from_spec(spec)
     try:
         return registered_by(name, lambda: exec(compile(text, path, "exec"), vars(module)))
-    except (Exception, SystemExit) as error:  # whatever somebody's file raises
-        raise ParameterError(f"{who}: {_line_of(error, path)}{type(error).__name__}: {error}", "method") from error
+    except (Exception, SystemExit) as error:  # a user's file may raise any error
+        raise ParameterError(f"{label}: {_line_of(error, path)}{type(error).__name__}: {error}", "method") from error
 
 
 def _line_of(error: BaseException, path: Path) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from graphlib import CycleError, TopologicalSorter
 
 from ev_core.lockstep.configuration import Configuration
-from ev_core.methods.register import CommonParameters
+from ev_core.methods.common_parameters import CommonParameters
 from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import Role, RoleKind
 from ev_msgs_py.refusal import ParameterError

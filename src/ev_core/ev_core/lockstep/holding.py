@@ -83,7 +83,7 @@ class HoldingInbox(Inbox):
         return max(held, default=None)
 
     def _may_hold(self, stamp: int, came: int) -> bool:
-        """Whether a step can be taken with what is held of the inputs that have not come for it."""
+        """Return whether a step can be taken with the held inputs in place of those that have not come for it."""
         oldest = stamp - max(HELD, 2 * self.period)
         stamps = (self.held.stamp_of(kind) for i, kind in enumerate(self.reads) if not came >> i & 1)
         return self._neutral or all(each >= max(oldest, 0) for each in stamps)

@@ -19,8 +19,8 @@ from ev_core.lockstep.inbox import (
     row_of_answer,
 )
 from ev_core.lockstep.tally import Tally
+from ev_core.methods.method_record import Method
 from ev_core.methods.part import Part
-from ev_core.methods.register import Method
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import TIME, Frame
 from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind

@@ -60,7 +60,7 @@ def add_up_step(block: Any, step: int, taken: Any, output: Any) -> None:
 
 @compilable
 def add_up_newest(block: Any, steps: Any, frames: Any) -> None:
-    """Add the inputs and outputs of the newest step of an inbox, whose `frames` these are."""
+    """Add the inputs and outputs of the newest step of an inbox in its `frames`."""
     here, there = steps.done[LAST], steps.done[ANSWER]
     add_up_step(block, here // steps.period, frames[row_of(steps, here)], frames[row_of_answer(steps, there)])
 

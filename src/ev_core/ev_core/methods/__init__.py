@@ -1,1 +1,1 @@
-"""How a method of a role is declared, registered and stepped in plain Python."""
+"""Methods of roles: declared, registered and stepped in plain Python."""

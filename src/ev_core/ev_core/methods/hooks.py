@@ -1,9 +1,9 @@
-"""What a class offers that is a method, as protocols: one per kind of role, and what it may offer besides.
+"""Protocols of a class that is a method: one per kind of role, and optional ones.
 
 A class satisfies them by having what they name; it need not inherit from anything. `check.method.check_method` holds it
 against the docstrings. Its objects are made by `factory(parameters, vehicle, period)`, and are at rest then:
 `parameters` are an instance of its parameter dataclass, `vehicle` is the `Vehicle` and `period` the control period [s].
-An object knows nothing else: no clock, no random numbers but seeded ones whose generator is in the state, no other
+An object knows nothing else: no clock, no random numbers but seeded ones with their generator in the state, no other
 object. Its `state` is all that lasts between steps: None, or a row of numbers, which can be set to that of another one.
 
 The class itself has `parameters`, the parameter dataclass, and may have
@@ -39,7 +39,7 @@ class Integrating(Protocol):
     """Plays a role that integrates from instant to instant."""
 
     def outputs(self) -> tuple[Any, ...]:
-        """What the role writes at the instant of the state, in the order of its `writes`; changes nothing."""
+        """The signals of the role at the instant of the state, in the order of its `writes`; changes nothing."""
 
     def advance(self, *signals: Any, **_by_name: Any) -> None:
         """Go on to the next instant by the signals of this one; arguments and refusals are those of `step`."""
@@ -50,7 +50,7 @@ class Reporting(Protocol):
     """An optional hook: gives what is worth knowing about the run."""
 
     def reports(self) -> tuple[str, ...]:
-        """All of it up to now, each text once and in the order in which it came up; shown to the user."""
+        """All texts up to now, each once and in the order in which it came up; shown to the user."""
 
 
 @runtime_checkable
@@ -80,19 +80,19 @@ def refuse_lacking(role: str, name: str, defined: type) -> None:
         )
 
 
-def refuse_wrong_declaration(who: str, role: Role, factory: Any) -> None:
-    """TypeError, in one line that `who` begins, for what a law or a class declares besides its functions."""
+def refuse_wrong_declaration(label: str, role: Role, factory: Any) -> None:
+    """TypeError, in one line that begins with `label`, for a wrong declaration beside the functions."""
     writes, may_write = getattr(factory, "writes", None), ", ".join(each.__name__ for each in role.may_write)
     if writes is not None and (not isinstance(writes, tuple) or not writes):
-        raise TypeError(f"{who}: writes={shown(writes)} is refused, expected a tuple of {may_write}: writes=(A,)")
+        raise TypeError(f"{label}: writes={shown(writes)} is refused, expected a tuple of {may_write}: writes=(A,)")
     for signal in writes or ():
         if signal not in role.may_write:
             asked = getattr(signal, "__name__", shown(signal))
-            raise TypeError(f"{who}: a {role.name} does not write {asked}, expected {may_write} (see roles.py)")
+            raise TypeError(f"{label}: a {role.name} does not write {asked}, expected {may_write} (see roles.py)")
     for name in ("requires", "in_real_time"):
         if not isinstance(given := getattr(factory, name, {}), Mapping):
-            raise TypeError(f"{who}: {name}={shown(given)} is refused, expected a mapping by role")
+            raise TypeError(f"{label}: {name}={shown(given)} is refused, expected a mapping by role")
     for entry in entries(factory.parameters):
         group, _, last = entry.name.rpartition(".")
         if group and last == "seed" and (entry.type is not int or entry.is_array):
-            raise TypeError(f"{who}: {entry.name} is no whole number, expected int: --seed makes another one of it")
+            raise TypeError(f"{label}: {entry.name} is no whole number, expected int: --seed makes another one of it")

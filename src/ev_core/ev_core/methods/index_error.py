@@ -1,4 +1,9 @@
-"""Which index of what was out of range, and the length, of an error of a law."""
+"""The index that was out of range in an error of a law, and the length of its row.
+
+How it works: Python's error names neither. But the traceback knows the columns of the line that raised it, so that its
+syntax tree shows the subscript, and the frame its names. The parts of the subscript are evaluated again in that frame,
+unless this could change a value.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +14,11 @@ from typing import Any
 
 from ev_msgs_py.refusal import shown
 
+_PURE = ("int", "float", "round", "abs", "min", "max", "len")  # may be called once more, for they change nothing
+
 
 def parsed(text: str) -> ast.AST:
-    """A text; that of an empty module where it is no Python, as part of one may be."""
+    """Syntax tree of a text; that of an empty module where it is no Python, as a part of a text may be."""
     try:
         return ast.parse(text)
     except SyntaxError:
@@ -19,7 +26,7 @@ def parsed(text: str) -> ast.AST:
 
 
 def index_in_words(error: IndexError) -> str:
-    """Which index of what was out of range, and the length; empty if that cannot be found."""
+    """The index that was out of range, and the length of its row, in words; empty if they cannot be found."""
     trace: Any = error.__traceback__
     while trace.tb_next is not None:
         trace = trace.tb_next
@@ -30,7 +37,7 @@ def index_in_words(error: IndexError) -> str:
             try:
                 index, of = (_value(each, frame) for each in (node.slice, node.value))
                 length = len(of)
-            except Exception:  # of other people's objects, or what cannot be looked at twice
+            except Exception:  # of a user's objects, or of a part that cannot be evaluated twice
                 return f"{ast.unparse(node)} is out of range"
             wanted = f"expected {-length} to {length - 1}" if length else "it is empty"
             return f"{ast.unparse(node)} is out of range: index {shown(index)}, length {length}, {wanted}"
@@ -41,12 +48,8 @@ def _span(node: ast.expr) -> tuple[int, int | None, int, int | None]:
     return node.lineno, node.end_lineno, node.col_offset, node.end_col_offset
 
 
-# What may be called once more, for it changes nothing.
-_PURE = ("int", "float", "round", "abs", "min", "max", "len")
-
-
 def _value(node: ast.expr, frame: FrameType) -> Any:
-    """What a part of a line was in the frame in which it raised; ValueError if another look may change it."""
+    """Value of a part of a line in the frame in which it raised; ValueError if another look may change it."""
     for each in ast.walk(node):
         if isinstance(each, ast.NamedExpr | ast.Await | ast.Yield | ast.YieldFrom):
             raise ValueError

@@ -1,4 +1,9 @@
-"""A method written as functions: what they are given, and the object that steps them in plain Python."""
+"""A law as functions: its declaration, the values that its functions get, and the object that steps them in Python.
+
+How it works: the first arguments of a law's function name what it needs (`GIVEN`), the others are signals by their
+annotations. A `Law` holds the function and what belongs to it. For each object `Given` makes the values of these names
+once, so that a step only adds the signals. Compiled code is made of the same functions (`compiled.part_source`).
+"""
 
 from __future__ import annotations
 
@@ -47,11 +52,10 @@ class Law:
     - `s`: the state, a declared record, to be changed in place; its annotation is the record,
     - `period`: the control period [s].
 
-    `function` gives the answer of a role that answers, and advances the state of one that integrates, whose `outputs`
-    then give what it writes: one signal, or a tuple of them in the order of `writes`. `start` makes the initial state
-    where it is not that of the declaration. `in_real_time` has defaults that others have there, by ROLE.PARAMETER.
-    `notes` gives what is worth knowing about the run so far. `mirrored` claims that left and right are alike to it
-    (`check.mirror`).
+    `function` gives the answer of a role that answers. For a role that integrates it advances the state, and `outputs`
+    then give what the role writes: one signal, or a tuple of them in the order of `writes`. `start` makes the initial
+    state where it is not that of the declaration. `in_real_time` has defaults of others there, by ROLE.PARAMETER.
+    `notes` gives texts about the run so far. `mirrored` claims that left and right are alike to it (`check.mirror`).
     """
 
     function: Callable[..., Any]
@@ -71,7 +75,7 @@ class Law:
 
     @property
     def is_compilable(self) -> bool:
-        """Whether its functions are marked as `compilable`."""
+        """True if its functions are marked as `compilable`."""
         return self.function in FUNCTIONS and (self.outputs is None or self.outputs in FUNCTIONS)
 
     def names(self) -> list[str]:
@@ -92,7 +96,7 @@ def named_after(function: F, law: Callable[..., Any]) -> F:
 
 @cache
 def given_names(function: Callable[..., Any]) -> tuple[str, ...]:
-    """Which of `GIVEN` a function asks for, in its order; TypeError unless they come first."""
+    """The names of `GIVEN` that a function asks for, in its order; TypeError unless they come first."""
     arguments = inspect.signature(function).parameters
     asked = tuple(arguments)
     count = sum(name in GIVEN for name in asked)
@@ -139,8 +143,8 @@ def with_single_signals(function: Callable[..., Any]) -> Callable[..., Any]:
     return step
 
 
-def declared_law(who: str, function: Callable[..., Any], how: Mapping[str, Any]) -> Law:
-    """The law of a declaration; TypeError, in one line that `who` begins, for what it cannot be made of.
+def declared_law(label: str, function: Callable[..., Any], how: Mapping[str, Any]) -> Law:
+    """The law of a declaration; TypeError, in one line that begins with `label`, where it cannot be made.
 
     Parameters and state are what the annotations of `p` and `s` name, unless `how` has them, as for a function that
     another function makes.
@@ -148,34 +152,34 @@ def declared_law(who: str, function: Callable[..., Any], how: Mapping[str, Any])
     known = tuple(each.name for each in fields(Law))[1:]
     for name in how:
         if name not in known:
-            raise TypeError(f"{who}: {unknown_name('argument', name, known)}")
+            raise TypeError(f"{label}: {unknown_name('argument', name, known)}")
     hints = get_type_hints(function)
     for name, part, made in (("p", "parameters", "parameter(...)"), ("s", "state", "entry(...)")):
         if name in given_names(function) and name not in hints and part not in how:
-            raise TypeError(f"{who}: {name} has no annotation, expected the dataclass of its {part}, made of {made}")
+            raise TypeError(f"{label}: {name} has no annotation, expected the dataclass of its {part}, made of {made}")
     annotated = {"parameters": hints.get("p", NoParameters), "state": hints.get("s", NoState)}
     law = Law(function, **{**annotated, **how})
     state = law.state
     if not isinstance(state, type) or not is_dataclass(state):
-        raise TypeError(f"{who}: state={shown(state)} is refused, expected a class marked @dataclass(slots=True)")
+        raise TypeError(f"{label}: state={shown(state)} is refused, expected a class marked @dataclass(slots=True)")
     if bare := [each.name for each in fields(state) if each.default is each.default_factory is MISSING]:
-        raise TypeError(f"{who}: {state.__name__}.{bare[0]} has no start value, declare it by entry(0.0, unit=...)")
+        raise TypeError(f"{label}: {state.__name__}.{bare[0]} has no start value, declare it by entry(0.0, unit=...)")
     for name, value in entries_without_number(state()):
         kind = type(value).__name__
-        raise TypeError(f"{who}: {state.__name__}.{name} begins as {kind}, expected a number: entry(0.0, unit=...)")
+        raise TypeError(f"{label}: {state.__name__}.{name} begins as {kind}, expected a number: entry(0.0, unit=...)")
     if not isinstance(law.needs, tuple | list):
-        raise TypeError(f"{who}: needs= is no tuple, write needs=(...,)")
+        raise TypeError(f"{label}: needs= is no tuple, write needs=(...,)")
     asked = inspect.signature(function).parameters
     if "c" in asked and not law.prepare:
-        raise TypeError(f"{who}: c is asked for and not made, declare prepare=")
+        raise TypeError(f"{label}: c is asked for and not made, declare prepare=")
     for hook in filter(None, (law.outputs, law.notes, law.start)):
         given = [name for name in GIVEN if name != "s" or hook is not law.start]
         for each in inspect.signature(hook).parameters.values():
             if each.name not in given and each.default is each.empty:
-                raise TypeError(f"{who}: {named(hook)} asks for {each.name}, expected are only {', '.join(given)}")
+                raise TypeError(f"{label}: {named(hook)} asks for {each.name}, expected are only {', '.join(given)}")
     for each in asked.values():
         if each.kind in (each.VAR_POSITIONAL, each.VAR_KEYWORD):
-            raise TypeError(f"{who}: {each.name} stands for any number of arguments, name each signal")
+            raise TypeError(f"{label}: {each.name} stands for any number of arguments, name each signal")
     return law
 
 
@@ -204,7 +208,7 @@ def _car(vehicle: Vehicle) -> tuple[dict[str, Any], SimpleNamespace]:
 
 
 def namespace(tree: Mapping[str, Any]) -> SimpleNamespace:
-    """A tree of numbers whose branches are attributes."""
+    """A tree of numbers with branches as attributes."""
     return SimpleNamespace(
         **{name: namespace(value) if isinstance(value, Mapping) else value for name, value in tree.items()}
     )

@@ -1,7 +1,8 @@
 """A mistake of a law's author in one line: file, line, law, what is wrong, what to write instead.
 
-Every call of what an author has written stands in a block `in_law`, or passes what it raises to `raise_in_one_line`:
-preparing, starting, stepping, state, notes, needs, files. So the line is the same offline, over DDS and in the checks.
+How it works: every call of an author's function is made in a block `in_law`, or passes its error to
+`raise_in_one_line`: preparing, starting, stepping, state, notes, needs, files. So the line is the same offline, over
+DDS and in the checks. The place is the last line of the traceback that is the author's own.
 """
 
 from __future__ import annotations
@@ -22,20 +23,20 @@ from ev_core.methods.index_error import index_in_words
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError, shown
 
-# Of libraries, or of what calls the author's functions: no place of his mistake.
+# Files of libraries, or of code that calls the author's functions: they are no place of his mistake.
 _OURS = (str(Path(__file__).parents[1]), str(Path(inspect.getfile(ParameterError)).parent))
 _OF_OTHERS = (*_OURS, sysconfig.get_path("stdlib"), "<", "numba/")
 _PACKAGES = "site-packages"
-BY_AUTHORS = (Exception, SystemExit)  # what a law may raise; an interrupt is the user's
+BY_AUTHORS = (Exception, SystemExit)  # errors that a law may raise; an interrupt is the user's
 _REFUSALS = (ParameterError, SignalError, MemoryError)  # in one line already, or not of the law
 
 
 class LawError(ParameterError):
-    """A mistake in a law, in one line; what the law has raised is its `__cause__`."""
+    """A mistake in a law, in one line; the law's own error is its `__cause__`."""
 
 
 class WrongResultError(TypeError):
-    """What a function of a law gives is not what it has to give."""
+    """A function of a law returns something else than it has to."""
 
     def __init__(self, function: Any, given: Any, expected: str) -> None:
         super().__init__(f"{named(function)} gives {kind_of(given)}, expected {expected}")
@@ -44,7 +45,7 @@ class WrongResultError(TypeError):
 
 @contextmanager
 def in_law(method: Any, function: Any = None) -> Iterator[None]:
-    """In the block a mistake of the author of a method is one line, LawError; refusals remain what they are.
+    """Turn a mistake of the author of a method in this block into one line, LawError; refusals remain what they are.
 
     Where none of the author's lines raises it, it stands in the `function`, or in the method's own.
     """
@@ -75,7 +76,7 @@ def in_words(error: BaseException) -> str:
 
 
 def is_of_author(file: str) -> bool:
-    """Whether a file may hold an author's text: it is none of a library."""
+    """Return whether a file may hold an author's text: it belongs to no library."""
     return _PACKAGES not in file and not file.startswith(_OF_OTHERS)
 
 
@@ -93,7 +94,7 @@ def beginning(function: Any) -> tuple[str, int]:
 
 
 def _place(error: BaseException, function: Any) -> str:
-    """Where the author's text went wrong: the last of its lines, or the beginning of the function that did."""
+    """Place of the author's mistake: the last of his lines, or the beginning of the function that failed."""
     own = beginning(function)
     frames = [(each.filename, each.lineno or 0) for each in extract_tb(error.__traceback__)]
     lines = [(file, line) for file, line in frames if file == own[0] or is_of_author(file)]
@@ -124,7 +125,7 @@ def named(function: Callable[..., Any]) -> str:
 
 
 def kind_of(given: Any) -> str:
-    """What a function has given, in words."""
+    """Kind of a returned value, in words."""
     if given is None:
         return "nothing"
     if type(given) in (tuple, list):
@@ -133,7 +134,7 @@ def kind_of(given: Any) -> str:
 
 
 def notes_of(function: Callable[[], Any]) -> tuple[str, ...]:
-    """What an author's function notes; WrongResultError unless that are texts in a tuple."""
+    """Notes of an author's function; WrongResultError unless they are texts in a tuple."""
     notes = function()
     if not isinstance(notes, (tuple, list)) or not all(isinstance(each, str) for each in notes):
         raise WrongResultError(function, notes, "a tuple of texts: (text,)")

@@ -1,4 +1,4 @@
-"""What packages offer besides methods by entry points: reports, studies, sources, estimators."""
+"""Modules that packages offer by entry points, besides methods: reports, studies, sources, estimators."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ def offered(group: str) -> dict[str, str]:
 
 
 def offered_module(group: str, kind: str, name: str) -> ModuleType:
-    """The module of a name; ParameterError that lists the known ones if there is none, or says why it is not loaded."""
+    """The module of a name; ParameterError that lists the known ones, or the reason why it is not loaded."""
     modules = offered(group)
     if name not in modules:
         raise unknown_name(kind, name, modules)
     try:
         return import_module(modules[name])
-    except Exception as error:  # whatever somebody's module raises
+    except Exception as error:  # a user's module may raise any error
         raise ParameterError(
             f"{kind} {name}: {modules[name]} is not loaded: {type(error).__name__}: {error}"
         ) from error

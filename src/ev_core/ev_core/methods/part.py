@@ -15,7 +15,7 @@ import numpy as np
 from ev_core.compiling.machine_code import FUNCTION
 from ev_core.methods.hooks import Reporting
 from ev_core.methods.law_error import BY_AUTHORS, WrongResultError, in_law, notes_of, raise_in_one_line
-from ev_core.methods.register import Method
+from ev_core.methods.method_record import Method
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import NEGLIGIBLE, Shape, shape_of
@@ -34,7 +34,7 @@ def without_sign(value: float) -> float:
 
 
 class Part(Protocol):
-    """What a run asks of a part."""
+    """Interface of a part for a run."""
 
     state: Any
     """All that lasts between steps; may be set to that of another part of the same method."""
@@ -52,16 +52,16 @@ class Part(Protocol):
         """All that is worth knowing about the run so far, besides the signals."""
 
     def addresses(self) -> tuple[int, int, int]:
-        """Of the C function, the state and the constants with which compiled code starts and steps it."""
+        """Addresses of the C function, the state and the constants with which compiled code starts and steps it."""
 
 
 class CalledBack:
-    """A part that is stepped in Python: compiled code calls it back, and finds what it raised in `error`."""
+    """A part that is stepped in Python: compiled code calls it back; an exception is kept in `error`."""
 
     error: BaseException | None = None
 
     def addresses(self) -> tuple[int, int, int]:
-        """Of the function that compiled code calls; it needs no memory for state and constants."""
+        """Address of the function that compiled code calls; it needs no memory for state and constants."""
         return ctypes.cast(self._function, ctypes.c_void_p).value or 0, 0, 0
 
     @cached_property
@@ -81,7 +81,7 @@ class CalledBack:
 
 
 class PythonPart(CalledBack):
-    """An object whose steps run in plain Python."""
+    """An object with steps in plain Python."""
 
     def __init__(self, method: Method, made: Any, note: str = "") -> None:
         self.made, self._method = made, method
@@ -146,7 +146,7 @@ class PythonPart(CalledBack):
                 shape.refuse_not_finite(values)
 
     def notes(self) -> tuple[str, ...]:
-        """What the object reports, behind the note of who has made it."""
+        """Reports of the object, behind the note of its maker."""
         if self._reports is None:
             return self._note
         with in_law(self._method):

@@ -1,4 +1,4 @@
-"""Roles that are played by what was recorded: `driver=results/shchur2019/signals.npz`."""
+"""Roles that are played by recorded signals: `driver=results/shchur2019/signals.npz`."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from ev_core.methods.method_record import Method
 from ev_core.methods.part import CalledBack
-from ev_core.methods.register import Method
 from ev_core.parameters.data_file import TIME, RecordingError, read_arrays, refuse_outside
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.fields import NEGLIGIBLE, SignalError, shape_of
@@ -27,9 +27,9 @@ class NoParameters:
 
 @dataclass(frozen=True, slots=True)
 class Playback(Method):
-    """A method whose output is a recording.
+    """A method with recorded outputs.
 
-    It waits for what its role reads, as far as that was recorded too, so that nobody in the graph is left behind.
+    It waits for the inputs of its role that were recorded too, so that no node of the graph is left behind.
     """
 
     @property
@@ -66,13 +66,13 @@ class RecordedRole:
 
     def __init__(self, role: str, name: str, arrays: dict[str, np.ndarray]) -> None:
         """Play back what was recorded."""
-        self.__doc__ = f"Say what was recorded in {name}."
+        self.__doc__ = f"Replay the recorded output of {name}."
         self._names = frozenset(arrays)
         self.role, self.name = role, name
         self.writes = tuple(signal for signal in ROLES[role].writes if self.has(signal))
         if TIME not in arrays or not self.writes:
             topics = ", ".join(TOPICS[signal].name for signal in ROLES[role].writes)
-            raise ParameterError(f"{role} method {name}: a {role} says {topics}, none of it is in the file", "method")
+            raise ParameterError(f"{role} method {name}: a {role} writes {topics}, none of it is in the file", "method")
         self.stamps = self._stamps(arrays[TIME])
         self.last, self.instants = int(self.stamps[-1]), len(self.stamps)
         self.rows = [(PLACES[signal], self._rows(arrays, signal)) for signal in self.writes]
@@ -117,7 +117,7 @@ class RecordedRole:
             )
 
     def has(self, signal: type) -> bool:
-        """Whether all channels of a signal were recorded."""
+        """Return whether all channels of a signal were recorded."""
         topic = TOPICS.get(signal)
         return topic is not None and self._names.issuperset(topic.channels)
 
@@ -138,7 +138,7 @@ class RecordedRole:
         return self
 
     def part(self, method: Method, made: RecordedRole) -> PlaybackPart:
-        """What plays a role by it."""
+        """The part that plays a role by it."""
         return PlaybackPart(made)
 
 
@@ -178,7 +178,7 @@ class PlaybackPart(CalledBack):
         if step > last:
             if step > last + self._ahead:
                 end = stamps.to_seconds(self._recorded.last)
-                raise SignalError(f"{self._recorded.name} ends at {end:g} s: there is nothing to say at a later time")
-            step = last  # what integrates has an output behind the end, to which nobody goes on
+                raise SignalError(f"{self._recorded.name} ends at {end:g} s: it has no numbers of a later time")
+            step = last  # a role that integrates has an output behind the end, to which no step leads
         for place, width, rows in self._rows:
             there.numbers[place] = rows[step * width : (step + 1) * width]

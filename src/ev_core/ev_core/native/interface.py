@@ -53,14 +53,16 @@ def reads_of(role: str) -> tuple[type, ...]:
 
 
 def size_of(signals: tuple[type, ...]) -> int:
-    """How many numbers signals have together."""
+    """Count of the numbers of signals together."""
     return sum(TOPICS[signal].shape.size for signal in signals)
 
 
 @cache
 def signals() -> tuple[type, ...]:
     """Every signal of the interface; its place is that of its bit in a law's declaration of its inputs."""
-    every = (signal for role in LAW_ROLES for signal in (*reads_of(role), *ROLES[role].writes))
+    every: list[type] = []
+    for role in LAW_ROLES:
+        every += [*reads_of(role), *ROLES[role].writes]
     return tuple(dict.fromkeys(every))
 
 

@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 
 from ev_core.compiling.machine_code import FUNCTION
+from ev_core.methods.common_parameters import refuse_taken
+from ev_core.methods.method_record import Method
 from ev_core.methods.part import PythonPart
-from ev_core.methods.register import Method, refuse_taken
 from ev_core.native.adapter import INPUTS, STATUS, adapter
 from ev_core.native.interface import BY_WHEEL, CAR, LAW_ROLES, VERSION, bit, car_row, layout, reads_of, size_of
 from ev_core.parameters.data_file import find_file
@@ -78,7 +79,7 @@ class _Declared(Structure):
 
 
 class Library:
-    """What a library declares for a role, which makes objects of its law.
+    """Declaration of a library for a role, which makes objects of its law.
 
     `start` and `step` are addresses, `state_size` is in numbers, `parameters` is a dataclass of what it declares.
     ParameterError, in one line that names the file, if it cannot be loaded, has no law for the role, or was made with
@@ -112,7 +113,7 @@ class Library:
         return NativeLaw(self, parameters, car_row(car_numbers(vehicle)), period)
 
     def part(self, method: Method, made: NativeLaw) -> NativePart:
-        """What plays a role by such an object."""
+        """The part that plays a role by such an object."""
         return NativePart(method, made)
 
     def refused(self, why: str) -> ParameterError:
@@ -126,7 +127,7 @@ class Library:
             if (one := getattr(declared, name)) != other:
                 shown = f"{one:#010x}, here it is {other:#010x}" if name == "layout" else f"{one}, here it is {other}"
                 what = f"{name.removesuffix('_size')} {shown}"
-                raise self.refused(f"compiled with another ev_laws.h: {what}; make it anew with that of here")
+                raise self.refused(f"compiled with another ev_laws.h: {what}; compile it again with that of here")
 
     def _fields(self, declared: _Declared) -> Iterator[tuple[str, type, Any]]:
         seen: set[str] = set()
@@ -197,7 +198,7 @@ class NativeLaw:
             start(self.memory.ctypes.data, self.address(self.given))
 
     def address(self, place: int) -> int:
-        """Of a number of the row."""
+        """Address of a number of the row."""
         return self.row.ctypes.data + 8 * place
 
     def step(self, instant: Instant, *signals: Any) -> Any:
@@ -214,7 +215,7 @@ class NativeLaw:
 
     @property
     def error(self) -> SignalError:
-        """What to say of a function that has not returned 0, or of its answer."""
+        """Error of a function that has not returned 0, or of its answer."""
         if not self.row[STATUS]:  # a number is negative that must not be
             shape = shape_of(self._written)
             return shape.negative(self.row[self.outputs : self.given].tolist(), shape.never_negative)
@@ -236,16 +237,16 @@ class NativePart(PythonPart):
 
     @property
     def error(self) -> BaseException | None:
-        """What the compiled loop raises where a step failed."""
+        """Error that the compiled loop raises where a step failed."""
         error: SignalError = self.made.error
         return error
 
     @error.setter
     def error(self, error: BaseException | None) -> None:
-        """It follows from what the function returned."""
+        """Do nothing: the error follows from what the function returned."""
 
     def addresses(self) -> tuple[int, int, int]:
-        """Of the compiled step between frame and library, of state and row."""
+        """Addresses of the compiled step between frame and library, of state and row."""
         law: NativeLaw = self.made
         places = tuple(law.places.items())
         address = adapter(law.library.role, law.library.reads, places, law.outputs, law.given)

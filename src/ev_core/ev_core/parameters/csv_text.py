@@ -11,7 +11,7 @@ from ev_msgs_py.refusal import ParameterError
 
 
 def columns_of(text: str, columns: tuple[Mapping[str, float], ...], unread: Collection[str]) -> list[tuple[float, ...]]:
-    """What `read_csv` gives to `make`; ParameterError as there, that names the line alone."""
+    """The columns for `make` of `read_csv`; ParameterError as there, with the line alone."""
     file = io.StringIO(text, newline="")
     lines = csv.reader(_without_comments(file.readlines(), columns), skipinitialspace=True)
     rows = [(lines.line_num, row) for row in lines if row]
@@ -33,7 +33,7 @@ def columns_of(text: str, columns: tuple[Mapping[str, float], ...], unread: Coll
         if any(_number(row[place] if place < len(row) else None, name, line) for line, row in rows[1:]):
             raise ParameterError(f"line {rows[0][0]}: column {name} is not read, expected zeros in it, or none")
     if twice := [name for (name,) in found if header.count(name) > 1]:
-        raise ParameterError(f"line {rows[0][0]}: column {twice[0]} stands there twice, expected once")
+        raise ParameterError(f"line {rows[0][0]}: column {twice[0]} is listed twice, expected once")
     for line, row in rows[1:]:
         if any(cell.strip() for cell in row[len(header) :]):
             expected = f"expected at most {len(header)}, as in the header, and a point in decimals"

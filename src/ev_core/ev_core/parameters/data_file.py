@@ -1,4 +1,4 @@
-"""Files of data: where they may lie, opened so that none blocks or fills the memory; tables in CSV, and signals."""
+"""Files of data: their folders, opened so that none blocks or fills the memory; tables in CSV, and signals."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _all_entry_points: Callable[[], Any] = cache(metadata.entry_points)
 
 
 def entry_points(**wanted: str) -> Iterable[metadata.EntryPoint]:
-    """Those of a `group`, and of a `name` if it is given. Packages are searched once: each time takes 10 ms."""
+    """Entry points of a `group`, and of a `name` if it is given. Packages are searched once: that takes 10 ms."""
     points: Iterable[metadata.EntryPoint] = _all_entry_points().select(**wanted)
     return points
 
@@ -53,8 +53,11 @@ def config_folders() -> tuple[Path, ...]:
 @cache
 def _installed() -> tuple[Path, ...]:
     specs = map(find_spec, sorted({point.value for point in entry_points(group=_GROUP)}))
-    folders = (folder for spec in specs if spec is not None for folder in spec.submodule_search_locations or ())
-    return tuple(Path(folder) / "config" for folder in folders)
+    found: list[Path] = []
+    for spec in specs:
+        if spec is not None:
+            found += [Path(folder) / "config" for folder in spec.submodule_search_locations or ()]
+    return tuple(found)
 
 
 def find_in_config(name: str) -> Path | None:
@@ -63,7 +66,7 @@ def find_in_config(name: str) -> Path | None:
 
 
 def files_in_config(kind: str) -> Mapping[str, Path]:
-    """By name, without suffix, every YAML file of a kind, which is `scenarios`, `vehicles` or `surfaces`."""
+    """Every YAML file of a kind (`scenarios`, `vehicles`, `surfaces`), by its name without suffix."""
     found: dict[str, Path] = {}
     for folder in config_folders():
         for path in sorted((folder / kind).glob("*.yaml")):
@@ -105,7 +108,7 @@ def refuse_outside(name: str, path: Path) -> None:
 
 @contextmanager
 def files_read() -> Iterator[dict[str, str]]:
-    """By path the SHA-256 of every file of data that this thread opens, or reports as needed, in the meantime."""
+    """SHA-256 of every file of data that this thread opens in the block, or reports as needed, by path."""
     read: dict[str, str] = {}
     before = _listening.set((*_listening.get(), read))
     try:
@@ -115,7 +118,7 @@ def files_read() -> Iterator[dict[str, str]]:
 
 
 def tell(path: Path | str) -> None:
-    """Say that a file is needed, which is not opened anew each time: it is a library, or was read before."""
+    """Report that a file is needed, which is not opened each time: it is a library, or was read before."""
     if _listening.get():
         with Path(path).open("rb") as file:
             _tell(path, file)
@@ -128,9 +131,9 @@ def _tell(path: Path | str, file: BufferedReader) -> None:
 
 
 def open_data(path: Path | str, most: int, is_input: bool = True) -> IO[bytes]:
-    """A regular file of at most so many bytes; OSError, whose strerror gives what is allowed, for anything else.
+    """Open a regular file of at most so many bytes; OSError, with the expected kind in its strerror, for another one.
 
-    Unless it `is_input`, such as of a cache that is made anew without it, `files_read` leaves it out.
+    `files_read` leaves it out unless it `is_input`: a file of a cache would be made again without it.
     """
     if "\0" in os.fspath(path):
         raise OSError(errno.EINVAL, "it has a null byte, expected the path of a file", str(path))
@@ -185,7 +188,7 @@ def read_csv(
     make: Callable[..., T],
     unread: Collection[str] = (),
 ) -> T:
-    """What `make` makes of some columns of the CSV file `name`, each a tuple of numbers in SI units.
+    """Call `make` with some columns of the CSV file `name`, each a tuple of numbers in SI units.
 
     `columns`: for each column the names that it may have, with the factor from its unit to SI. The file has a header,
     with or without # before it; further columns, empty lines and other lines that begin with # are passed over, and

@@ -18,7 +18,7 @@ _ASSUMED = "assumption"  # the source that is reproduced gives no value
 
 
 class Choice(IntEnum):
-    """What a parameter may be: one of the members, numbered from zero in their order.
+    """Choices of a parameter: one of the members, numbered from zero in their order.
 
     Files, commands and ROS give a member by its name in small letters. A law compares with the member,
     `p.keep == Keep.SUM`, in Python and compiled alike.
@@ -89,12 +89,12 @@ def parameter(default: Any, *, about: str, source: str = _ASSUMED, **more: Any) 
 
 
 def is_declared(field: Field[Any]) -> bool:
-    """Whether a field of a dataclass is a declared parameter."""
+    """Return whether a field of a dataclass is a declared parameter."""
     return _SPEC in field.metadata
 
 
 def setting(default: Any, **about: Any) -> Any:
-    """Declare a field as `parameter` does, one whose value is chosen or describes a thing, so that it has no source."""
+    """Declare a field as `parameter` does, with a value that is chosen or describes a thing, and so has no source."""
     return parameter(default, source="", **about)
 
 

@@ -1,7 +1,9 @@
 """Declared records: every number that an object keeps has a name, a unit and a start value, once.
 
-A record is a dataclass with slots whose fields are made by `entry`, `per_wheel`, `series`, `row`, `part` and
-`each_wheel`. Python works on its instances; compiled code on the same numbers in one row of float64, by the same names.
+How it works: a record is a dataclass with slots; its fields are made by `entry`, `per_wheel`, `series`, `row`, `part`
+and `each_wheel`. Python works on its instances; compiled code on the same numbers in one row of float64, by the same
+names. `places` walks the numbers of a record in the order of this row, for all that goes number by number. Only the
+layout and `numbers`, which each new object of a law needs, walk by themselves, for speed.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -79,7 +81,7 @@ def _element_type(shape: Any) -> tuple[Any, ...]:
 
 
 def shape_of_record(values: Any) -> tuple[Any, ...]:
-    """What the layout of a record follows from: names, and of each None for a number, a shape, or a count and one."""
+    """Key of a record's layout: its names, and for each of them None for a number, a shape, or a count and a shape."""
     items = _items(values)
     return tuple([name for name, _ in items]), tuple([_shape(value) for _, value in items])
 
@@ -103,7 +105,7 @@ def memory_type(of: type) -> np.dtype:
 
 
 def _refuse_attributes(name: str, layout: np.dtype) -> None:
-    """TypeError for an entry whose name means something else in plain Python, where memory is a record of numpy."""
+    """TypeError for an entry with a name of numpy's records, which are such memory in plain Python."""
     kind = layout.base
     for each in kind.names or ():
         if hasattr(np.record, each):
@@ -139,27 +141,64 @@ def _declared(kind: type) -> tuple[str, ...] | None:
     return tuple(f.name for f in fields(kind)) if is_dataclass(kind) else None
 
 
-def _fields(values: Any) -> tuple[Any, ...]:
-    return fields(values) if is_dataclass(values) else ()
-
-
 def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float, np.number))
 
 
-def entries_without_number(record: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """By dotted name what stands in a record in the place of a number."""
-    for name, value in _items(record):
-        if isinstance(value, list):
-            for element in value:
+class Held(NamedTuple):
+    """One number of a record, and the record or list that holds it."""
+
+    name: str  # dotted, with the wheel or place of a list's element
+    holder: Any
+    key: Any  # the name of the entry in a record, the index in a list
+
+    @property
+    def value(self) -> Any:
+        """The number as it is held now."""
+        return self.holder[self.key] if isinstance(self.holder, list) else getattr(self.holder, self.key)
+
+    def set(self, number: float) -> None:
+        """Put a number into its place."""
+        if isinstance(self.holder, list):
+            self.holder[self.key] = number
+        else:
+            setattr(self.holder, self.key, number)
+
+
+def places(record: Any, prefix: str = "") -> Iterator[Held]:
+    """All numbers of a declared record, in the order of `numbers`."""
+    for declared in fields(record):
+        value, name = getattr(record, declared.name), prefix + declared.name
+        if is_dataclass(value):
+            yield from places(value, f"{name}.")
+        elif isinstance(value, list):
+            inner = _element_names(name, value, declared.metadata.get("places"))
+            for i, (each, element) in enumerate(zip(inner, value, strict=False)):
                 if is_dataclass(element):
-                    yield from entries_without_number(element, f"{prefix}{name}.")
-                elif not _is_number(element):
-                    yield prefix + name, element
-        elif is_dataclass(value):
-            yield from entries_without_number(value, f"{prefix}{name}.")
-        elif not _is_number(value):
-            yield prefix + name, value
+                    yield from places(element, f"{each}.")
+                else:
+                    yield Held(each, value, i)
+        else:
+            yield Held(name, record, declared.name)
+
+
+def _element_names(name: str, elements: Sequence[Any], row: Sequence[Place] | None) -> list[str]:
+    """Names of the elements of a list: those of wheels end with the wheel, others with their place in the list.
+
+    The places of a `row` have names of their own, on the level of the record's entries.
+    """
+    if row is not None:
+        before = name[: name.rfind(".") + 1]
+        return [before + place.name for place in row]
+    ends = WHEEL_NAMES if len(elements) == _WHEELS else range(len(elements))
+    return [f"{name}.{end}" for end in ends]
+
+
+def entries_without_number(record: Any) -> Iterator[tuple[str, Any]]:
+    """Dotted name and value of everything in a record that is no number and replaces one."""
+    for held in places(record):
+        if not _is_number(held.value):
+            yield held.name, held.value
 
 
 def numbers(values: Any) -> list[float]:
@@ -187,47 +226,14 @@ def _append(found: list[float], value: Any) -> None:
 
 def fill(record: Any, row: Sequence[float]) -> None:
     """Set all numbers of a record from a row as `numbers` gives it; ValueError if its length is another one."""
-    source = iter(row)
-    try:
-        _fill(record, source)
-    except StopIteration:
-        raise ValueError(f"{type(record).__name__} has more than {len(row)} numbers") from None
-    if next(source, None) is not None:
-        raise ValueError(f"{type(record).__name__} has fewer than {len(row)} numbers")
+    there = list(places(record))
+    if len(there) != len(row):
+        more = "more" if len(there) > len(row) else "fewer"
+        raise ValueError(f"{type(record).__name__} has {more} than {len(row)} numbers")
+    for held, number in zip(there, row, strict=True):
+        held.set(float(number))
 
 
-def _fill(record: Any, source: Iterator[float]) -> None:
-    for f in fields(record):
-        value = getattr(record, f.name)
-        if is_dataclass(value):
-            _fill(value, source)
-        elif isinstance(value, list):
-            for i, element in enumerate(value):
-                if is_dataclass(element):
-                    _fill(element, source)
-                else:
-                    value[i] = float(next(source))
-        else:
-            setattr(record, f.name, float(next(source)))
-
-
-def names(record: Any, prefix: str = "") -> list[str]:
-    """One dotted name for each number; those of wheels end with the wheel, those of a series with their place.
-
-    The places of a `row` have names of their own.
-    """
-    found: list[str] = []
-    rows = {f.name: f.metadata["places"] for f in _fields(record) if "places" in f.metadata}
-    for name, value in _items(record):
-        if name in rows:
-            found += [prefix + place.name for place in rows[name]]
-        elif _is_number(value):
-            found.append(prefix + name)
-        elif isinstance(value, list):
-            ends = WHEEL_NAMES if len(value) == _WHEELS else tuple(map(str, range(len(value))))
-            for end, element in zip(ends, value, strict=True):
-                inner = f"{prefix}{name}.{end}"
-                found += [inner] if _is_number(element) else names(element, f"{inner}.")
-        else:
-            found += names(value, f"{prefix}{name}.")
-    return found
+def names(record: Any) -> list[str]:
+    """One dotted name for each number of a declared record."""
+    return [held.name for held in places(record)]

@@ -1,4 +1,4 @@
-"""Sections of ROS parameter files: which node the name of one means."""
+"""Sections of ROS parameter files: the nodes that the name of a section means."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ ANY_NAMESPACE = "/**"
 
 
 def matches(pattern: str, node: str) -> bool:
-    """Whether a section name (`/**` any namespaces, `*` one token) means a node of this full name."""
+    """Return whether a section name (`/**` any namespaces, `*` one token) means a node of this full name."""
     expression = re.escape(pattern if pattern.startswith("/") else f"/{pattern}")
     expression = expression.replace(r"/\*\*", r"(/\w+)*").replace(r"\*", r"\w+")
     return re.fullmatch(expression, node) is not None

@@ -48,7 +48,7 @@ def units_for(unit: str) -> tuple[str, ...]:
 
 
 def number_of(text: str, unit: str) -> float | None:
-    """The number in the declared unit, or None if the text is no number with a unit that is accepted for it."""
+    """The number in the declared unit; None if the text is no number with an accepted unit."""
     found = _FORM.fullmatch(text)
     if found is None or found["unit"] not in units_for(unit):
         return None
@@ -73,25 +73,25 @@ def check(entry: Entry, value: Any) -> Any:
     return _check_element(entry, value)
 
 
-def refuse_undeclared(who: str, parameters: Any) -> None:
-    """TypeError, in one line that `who` begins, if a class is not one of declared parameters with allowed defaults."""
+def refuse_undeclared(label: str, parameters: Any) -> None:
+    """TypeError, in one line that begins with `label`, unless a class has declared parameters with allowed defaults."""
     if not isinstance(parameters, type) or not is_dataclass(parameters):
         given = f"class {parameters.__name__}" if isinstance(parameters, type) else type(parameters).__name__
-        raise TypeError(f"{who}: parameters are {given}, expected a class marked @dataclass(frozen=True, slots=True)")
+        raise TypeError(f"{label}: parameters are {given}, expected a class marked @dataclass(frozen=True, slots=True)")
     for f in fields(parameters):
         is_group = f.default_factory is not dataclasses.MISSING and is_dataclass(f.default_factory())
         if not is_group and not is_declared(f):
-            raise TypeError(f"{who}: {f.name} is no declared parameter, write {f.name}: ... = parameter(...)")
+            raise TypeError(f"{label}: {f.name} is no declared parameter, write {f.name}: ... = parameter(...)")
     for entry in entries(parameters):
         if entry.type not in _ELEMENTS:
             kind = getattr(entry.type, "__name__", entry.type) if isinstance(entry.type, type) else entry.type
             raise TypeError(
-                f"{who}: {entry.name} is declared as {kind}, expected float, int, bool, str or tuple[one, ...]"
+                f"{label}: {entry.name} is declared as {kind}, expected float, int, bool, str or tuple[one, ...]"
             )
         try:
             check(entry, entry.default)
         except ParameterError as error:
-            raise TypeError(f"{who}: the default of {error}") from None
+            raise TypeError(f"{label}: the default of {error}") from None
 
 
 def plain(value: Any) -> Any:
@@ -132,7 +132,7 @@ def _check_element(entry: Entry, value: Any) -> Any:
 
 
 def _with_unit(entry: Entry, text: str) -> float:
-    """What a text such as 80 km/h means in the unit of the parameter."""
+    """Value of a text such as 80 km/h in the unit of the parameter."""
     number = number_of(text, entry.spec.unit)
     if number is None:
         units = units_for(entry.spec.unit)

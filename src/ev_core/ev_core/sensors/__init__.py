@@ -1,1 +1,1 @@
-"""What sensors make of the true numbers of a frame: noise, bias, quantisation, delay, drop-out (docs/sensors.md)."""
+"""Sensors that change the true numbers of a frame: noise, bias, quantisation, delay, drop-out (docs/sensors.md)."""

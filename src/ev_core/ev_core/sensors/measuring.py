@@ -160,7 +160,7 @@ def words(c: Sequence[float], period: int, block: int, purpose: int) -> tuple[in
 
 @compilable
 def is_dropped(c: Sequence[float], period: int) -> bool:
-    """Whether the value of a period is lost, with the probability `dropout`."""
+    """Return whether the value of a period is lost, with the probability `dropout`."""
     if c[DROPOUT] == 0.0:
         return False
     w0, w1, _, _ = words(c, period, 0, FOR_DROPOUT)

@@ -60,7 +60,7 @@ def seeded(parameters: P, seed: int, prefix: str = "") -> P:
     """Parameters as their method is given them: with the node's seed 0 as they are, else with other own seeds.
 
     An own seed is a parameter `seed` of a group, such as `road.seed`; its name, its value and the node's seed make the
-    new one, within its declared range. A group whose `is_random` is false keeps it, and so remains what it is.
+    new one, within its declared range. A group with a false `is_random` keeps it, and so remains what it is.
     """
     changed: dict[str, Any] = {}
     of: Any = parameters

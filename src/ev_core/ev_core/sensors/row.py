@@ -16,7 +16,7 @@ from ev_msgs_py.contract import optional_signals as optional
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
-# In the order of the parameter reference. What nobody measures (commands, the recorder) is not among them.
+# In the order of the parameter reference, without signals that no sensor measures (commands, the recorder).
 _OF_CIRCUITS = (optional.BenchShafts, optional.BenchElectrical, optional.BenchTemperatures, optional.BenchCoolant)
 
 _MEASURED = (
@@ -73,19 +73,22 @@ class Quantity:
 
     @property
     def places(self) -> tuple[int, ...]:
-        """Where its fields stand in the frame, and then the whole; numbers stand one after the other."""
-        channels = shape_of(self.signal).channels
-        fields = (*self.fields, self.whole)
+        """Places of its fields in the frame, and then those of the whole, number by number."""
         begin = frame.PLACES[self.signal].start
-        return tuple(begin + i for f in fields for i, name in enumerate(channels) if name.partition(".")[0] == f)
+        places: list[int] = []
+        for wanted in (*self.fields, self.whole):
+            for i, channel in enumerate(shape_of(self.signal).channels):
+                if channel.partition(".")[0] == wanted:
+                    places.append(begin + i)
+        return tuple(places)
 
     @property
     def count(self) -> int:
-        """How many numbers have errors."""
+        """Count of the numbers that have errors."""
         return len(self.places) if self.kind == measuring.NUMBERS else 1
 
     def parts(self, driven: Collection[str]) -> list[range]:
-        """Which of these numbers there are with wheels `driven`: a test bench has circuits for their axles only."""
+        """Ranges of these numbers that exist with wheels `driven`: a test bench has circuits for their axles only."""
         if self.signal not in _OF_CIRCUITS:
             return [range(self.count)]
         axles = [any(wheel in driven for wheel in WHEEL_NAMES[i : i + 2]) for i in (0, 2)]
@@ -93,7 +96,7 @@ class Quantity:
 
 
 def _quantities(signal: type) -> list[Quantity]:
-    """What the sensors of a signal measure, in the order of its fields."""
+    """Quantities that the sensors of a signal measure, in the order of its fields."""
     fields: dict[str, tuple[str, ...]] = {}
     for name, field in shape_of(signal).fields.items():
         if field.sensor:
@@ -115,7 +118,7 @@ def sensors_for(signals: tuple[type, ...]) -> type:
 class Row:
     """Sensors or faults behind one object: rows of their settings, `width` behind a `head`, and of their state.
 
-    Those with the same settings at `key` remember the same numbers, whose place in the state is the one at `memory`.
+    Those with the same settings at `key` remember the same numbers; their place in the state is the one at `memory`.
     """
 
     constants: list[float]
@@ -126,18 +129,18 @@ class Row:
     _size = 0
 
     def start(self) -> None:
-        """Begin anew, before the first period."""
+        """Go back to the beginning, before the first period."""
         self.state = [0.0] * self._size
 
     def go_on_from(self, other: Any) -> None:
-        """What the same ones remember goes on; others begin with the present numbers."""
+        """Take over the memory of the same sensors or faults; others begin with the present numbers."""
         before = dict(other.memories())
         for name, place in self.memories():
             if name in before:
                 self.state[place] = other.state[before[name]]
 
     def memories(self) -> Iterator[tuple[tuple[float, ...], slice]]:
-        """By name where each one's numbers stand in the state, up to those of the next one."""
+        """Name of each one, and the slice of its numbers in the state."""
         places = range(self.head, len(self.constants), self.width)
         begins = [int(self.constants[n + self.memory]) for n in places]
         for n, begin, end in zip(places, begins, [*begins[1:], len(self.state)], strict=False):
@@ -188,7 +191,7 @@ class SensorRow(Row):
 
 
 def imperfect(parameters: Any) -> Iterator[tuple[Quantity, Any]]:
-    """The quantities whose sensors have errors, and these."""
+    """The quantities with sensor errors, and these errors."""
     for quantity in QUANTITIES:
         errors = getattr(parameters, quantity.name, None)
         kind: Any = type(errors)

@@ -18,7 +18,7 @@ GRAVITY = 9.81  # [m/s^2], as in all sources
 
 
 class Car(Vehicle):
-    """What a law may ask of `car`; for annotations only, the object itself is a tree of numbers."""
+    """Numbers that a law may ask of `car`; for annotations only, the object itself is a tree of numbers."""
 
     driven: list[float]
     number_driven: float
@@ -119,19 +119,19 @@ def only_driven(*needed: str) -> Need:
 
 
 def any_driven(_parameters: Any, vehicle: Vehicle) -> str:
-    """At least one wheel must be driven."""
+    """Need at least one driven wheel."""
     return "" if vehicle.driven_wheels else "at least one driven wheel"
 
 
 def each_driven(_parameters: Any, vehicle: Vehicle) -> str:
-    """At least one wheel must be driven, and all that are must have a torque of their own."""
+    """Need at least one driven wheel, each with a torque of its own."""
     if single_wheels(vehicle) != vehicle.driven_wheels:
         return "a motor or a clutch for each driven wheel"
     return any_driven(_parameters, vehicle)
 
 
 def equal_motors(_parameters: Any, vehicle: Vehicle) -> str:
-    """All driven wheels must have the same motor and gear."""
+    """Need the same motor and gear at all driven wheels."""
     return "" if has_equal_motors(vehicle) else "equal motors and gears at all driven wheels, and no engine"
 
 

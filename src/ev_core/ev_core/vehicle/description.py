@@ -58,7 +58,7 @@ class Suspension:
 
     @property
     def has_roll_stiffness(self) -> bool:
-        """Whether the share of the axles in the lateral load transfer follows from stiffness and roll centres."""
+        """True if the share of the axles in the lateral load transfer follows from stiffness and roll centres."""
         return self.front_roll_stiffness > 0.0
 
     def front_roll_share(self, height: float, front_load_share: float) -> float:
@@ -251,12 +251,12 @@ class Vehicle:
 
     @property
     def rolling_resistance_growth(self) -> float:
-        """What the speed adds to the rolling resistance coefficient, over V^2 [s^2/m^2]."""
+        """Growth of the rolling resistance coefficient with the speed, over V^2 [s^2/m^2]."""
         if self.rolling_resistance_reading == "added":
             return self.rolling_resistance_speed
         return self.rolling_resistance * self.rolling_resistance_speed * (3.6 * 3.6)
 
     @property
     def carried_inertia(self) -> float:
-        """What eq 1 of Tatar & Chudzik adds to each wheel as printed [kg m^2]."""
+        """Inertia that eq 1 of Tatar & Chudzik adds to each wheel as printed [kg m^2]."""
         return self.mass / 4.0 * self.wheel_radius * self.wheel_radius if self.printed_wheel_inertia else 0.0

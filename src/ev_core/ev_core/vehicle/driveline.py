@@ -64,7 +64,7 @@ def _size(place: str) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Driveline:
-    """How drive torque reaches the wheels; an axle without a value of its own has that of the car."""
+    """Path of the drive torque to the wheels; an axle without a value of its own has that of the car."""
 
     coupling: str = setting(
         "individual",
@@ -119,11 +119,11 @@ class Driveline:
 
     @property
     def has_one_input(self) -> bool:
-        """Whether one motor drives all driven wheels, wherever they are."""
+        """True if one motor drives all driven wheels, of both axles."""
         return self.coupling in ("clutch", "centre")
 
     def of_axle(self, axle: str) -> str:
-        """What couples the two wheels of an axle, if both are driven."""
+        """Coupling of the two wheels of an axle, if both are driven."""
         own: str = getattr(self, axle)
         if own != "same":
             return own
@@ -193,7 +193,7 @@ def drive_train_numbers(vehicle: Vehicle) -> dict[str, Any]:
 
 
 def single_wheels(vehicle: Vehicle) -> tuple[str, ...]:
-    """The driven wheels whose torque a law can choose one by one, because of a motor or a clutch of their own."""
+    """Driven wheels with a motor or a clutch of their own, so that a law can choose their torques one by one."""
     if vehicle.driveline.coupling == "clutch":
         return vehicle.driven_wheels
     if vehicle.driveline.coupling == "centre":
@@ -203,18 +203,18 @@ def single_wheels(vehicle: Vehicle) -> tuple[str, ...]:
 
 
 def has_own_motors(vehicle: Vehicle) -> bool:
-    """Whether each driven wheel has a motor, and nothing between that and the wheel."""
+    """Return whether each driven wheel has a motor, and nothing between that and the wheel."""
     return vehicle.driveline.coupling != "clutch" and single_wheels(vehicle) == vehicle.driven_wheels
 
 
 def couplings(vehicle: Vehicle) -> tuple[str, ...]:
-    """In words what couples wheels that have no torque of their own."""
+    """Couplings of wheels that have no torque of their own, in words."""
     centre = ("a centre differential",) if vehicle.driveline.coupling == "centre" else ()
     return (*centre, *(f"a differential in the {axle} axle" for axle in AXLES if _coupled(vehicle, axle)))
 
 
 def has_equal_motors(vehicle: Vehicle) -> bool:
-    """Whether the drives of all wheels are the vehicle's `motor` behind its `gear_ratio`."""
+    """Return whether the drives of all wheels are the vehicle's `motor` behind its `gear_ratio`."""
     of = vehicle.driveline
     return vehicle.engine.peak_power == 0.0 and {of.front_gear, of.rear_gear, of.front_size, of.rear_size} == {1.0}
 
@@ -236,7 +236,7 @@ def wheel_inertia(vehicle: Vehicle, wheel: str) -> float:
 
 
 def motors_behind(vehicle: Vehicle, wheel: str) -> float:
-    """How many of the vehicle's `motor` can drive a wheel, by clutches and differentials those of other wheels, too."""
+    """Number of the vehicle's `motor` that can drive a wheel, also through clutches and differentials of others."""
     axle = AXLES[0] if wheel in _wheels(AXLES[0]) else AXLES[1]
     size: float = getattr(vehicle.driveline, f"{axle}_size")
     alone = wheel in single_wheels(vehicle) and vehicle.driveline.coupling != "clutch"

@@ -1,4 +1,4 @@
-"""What a vehicle description leaves to files, read into it: efficiency maps (CSV) and tyre property files (.tir)."""
+"""Files that a vehicle description names, read into it: efficiency maps (CSV) and tyre property files (.tir)."""
 
 import dataclasses
 import math
@@ -116,7 +116,7 @@ def mf_numbers(entries: Mapping[str, str]) -> tuple[float, ...]:
 
 
 def _pressure_change(entries: Mapping[str, str]) -> float:
-    """By how much the inflation pressure is above the nominal one, over it; 0 where a file has not both."""
+    """Relative excess of the inflation pressure over the nominal one [1]; 0 where a file has not both."""
     if "INFLPRES" not in entries or "NOMPRES" not in entries:
         return 0.0
     given, nominal = (_number(entries, key, 0.0) for key in ("INFLPRES", "NOMPRES"))

@@ -1,4 +1,4 @@
-"""What drives a vehicle: motors with winding, temperatures, inverter and gear, or an engine in their place.
+"""Drives of a vehicle: motors with winding, temperatures, inverter and gear, or an engine in their place.
 
 The engine has a torque converter and a gearbox.
 """

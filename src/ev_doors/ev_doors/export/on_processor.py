@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from ev_core.lockstep.parts import restarts
+from ev_core.methods.method_record import Method
 from ev_core.methods.part import CalledBack
-from ev_core.methods.register import Method
 from ev_doors.export.content import Content
 from ev_doors.export.counting import counted
 from ev_doors.export.program import Program, build_program

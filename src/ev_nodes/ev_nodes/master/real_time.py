@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ev_core.lockstep.holding import HeldInputs
-from ev_core.methods.register import CommonParameters
+from ev_core.methods.common_parameters import CommonParameters
 from ev_core.parameters.declaration import setting
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.frame import Frame

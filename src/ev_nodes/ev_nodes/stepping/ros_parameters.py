@@ -21,7 +21,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from ev_core.lockstep.finding import is_code
-from ev_core.methods.register import OF_ROS
+from ev_core.methods.common_parameters import OF_ROS
 from ev_core.parameters.data_file import TextOfFile
 from ev_core.parameters.declaration import Entry
 from ev_core.parameters.section import matches

@@ -19,8 +19,8 @@ from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.lockstep.graph import polling_order
 from ev_core.lockstep.parts import hand_over, is_compiled, part_of
 from ev_core.lockstep.stepper import WRITERS, Answer, Stepper, arrival_place
+from ev_core.methods.common_parameters import CommonParameters
 from ev_core.methods.part import Part
-from ev_core.methods.register import CommonParameters
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic

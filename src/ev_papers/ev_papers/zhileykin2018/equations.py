@@ -13,7 +13,7 @@ import math
 from typing import NamedTuple
 
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import create
+from ev_core.methods.method_record import create
 from ev_core.parameters.declaration import flatten
 from ev_core.parameters.values import build
 from ev_msgs_py.contract.signals import (

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ev_core.lockstep.configuration import Configuration
-from ev_core.methods.register import CommonParameters
+from ev_core.methods.common_parameters import CommonParameters
 from ev_core.parameters.declaration import entries
 from ev_core.parameters.values import check, entries_by_name, plain
 from ev_msgs_py.refusal import ParameterError, unknown_name

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from ev_core.lockstep.finding import find_method
-from ev_core.methods.register import Method, all_methods
+from ev_core.methods.method_record import Method
+from ev_core.methods.register import all_methods
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.frame import PLACES, places
 from ev_msgs_py.contract.roles import ROLES

@@ -8,7 +8,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
-from ev_core.methods.register import CommonParameters, methods_of
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.register import methods_of
 from ev_core.parameters.data_file import config_folders
 from ev_core.parameters.declaration import Entry, Spec, entries
 from ev_core.parameters.section import ANY_NAMESPACE

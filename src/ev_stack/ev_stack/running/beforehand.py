@@ -22,7 +22,7 @@ from ev_core.compiling.machine_code import Code, counted_by_others
 from ev_core.compiling.user_cache import cache_folder
 from ev_core.lockstep import tally
 from ev_core.lockstep.configuration import Configuration
-from ev_core.methods.register import Method
+from ev_core.methods.method_record import Method
 from ev_core.vehicle.description import Vehicle
 from ev_sim.driver.off_path import DISTANCES
 from ev_stack.recording.outcome import bar_of_code

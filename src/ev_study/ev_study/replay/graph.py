@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ev_core.lockstep.configuration import Configuration, configure, refuse_unused
-from ev_core.methods.register import CommonParameters
+from ev_core.methods.common_parameters import CommonParameters
 from ev_core.parameters.declaration import flatten
 from ev_core.parameters.values import entries_by_name
 from ev_msgs_py.contract import frame, stamps

@@ -16,8 +16,8 @@ from importlib import import_module
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
+from ev_core.methods.method_record import Method
 from ev_core.methods.offered import offered
-from ev_core.methods.register import Method
 from ev_core.parameters.data_file import config_folders, entry_points
 from ev_msgs_py.packages import OURS
 from ev_stack.command_line.offered_commands import STUDIES

@@ -18,7 +18,7 @@ from plant.kinematic.car import (
     torque,
 )
 
-from ev_core.methods.register import create
+from ev_core.methods.method_record import create
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.signals import BodyPose, InertialMeasurement, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels

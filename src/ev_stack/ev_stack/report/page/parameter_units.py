@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 
-from ev_core.methods.register import CommonParameters, methods_of
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.register import methods_of
 from ev_core.parameters.declaration import Entry
 from ev_core.parameters.values import entries_by_name
 from ev_core.sensors.row import sensors_for
