@@ -108,7 +108,7 @@ def test_a_start_and_the_parameters_that_a_library_declares(refused):
 @pytest.mark.parametrize(
     ("define", "said"),
     [
-        ("NEWER=1", r"asr method \S+: compiled with another ev_laws\.h: layout 0x\w+, here it is 0x\w+; compile it again "),
+        ("NEWER=1", r"asr method \S+: compiled with another ev_laws\.h: layout 0x\w+, here it is 0x\w+; compile it "),
         ("NO_LAW", r"asr method \S+: it has no ev_asr, which a law for this role is declared by \(ev_laws\.h\)$"),
         ('NAME="lambda"', r"asr method \S+: parameter 'lambda' is refused, expected a name of Python's without _ "),
         ('NAME="seed"', r"asr method \S+: parameter seed is refused: every node has one of this name, take another$"),
