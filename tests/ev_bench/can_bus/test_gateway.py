@@ -6,6 +6,8 @@ import math
 
 import pytest
 from can_bus.databases import ours
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from ev_bench.inverter.circuit_station import CircuitStation
 from ev_bench.inverter.device import CircuitParameters
@@ -219,6 +221,30 @@ def test_the_reset_begins_without_its_bit_so_that_it_can_rise_and_ends_in_time()
     told.state["Drive11"] = SWITCH_ON_DISABLED
     told.cycle(3)
     assert told.station.devices["Drive11"].tripped == 0.0
+
+
+@pytest.mark.parametrize("press", [GatewayStation.disable, GatewayStation.reset])
+@given(st.integers(0, 25), st.booleans(), st.booleans())
+@settings(deadline=None)
+def test_what_somebody_takes_off_is_not_enabled_by_itself(press, cycles, loads, drives):
+    """With `auto_enable` in any cycle before or behind the one in which it acts, whatever has been commanded by then.
+
+    The load machines wait for nothing but their feedback and commands, so they are on before the drives have theirs.
+    """
+    told = Told(auto_enable=True)
+    for _ in range(cycles):
+        told.cycle(commanded=loads and drives)
+        if loads:
+            told.station.command("Load11", SPEED_MODE, 50.0)
+        if drives:
+            told.station.command("Drive11", TORQUE_MODE, 100.0)
+    press(told.station)
+    for _ in range(250):  # longer than a reset may take
+        told.cycle()
+        assert all(device.enable == 0.0 for device in told.station.devices.values())
+    assert told.station.enable(DEVICES) == ""
+    told.cycle(3)
+    assert all(device.enable == 1.0 for device in told.station.devices.values())
 
 
 def test_diagnosis_by_level():

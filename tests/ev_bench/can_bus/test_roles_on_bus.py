@@ -148,14 +148,42 @@ def test_who_goes_on_with_the_state_of_another_does_not_begin_anew():
     driven.instants(DRIVEN)
     bench = BenchOnBus(driven.configurations["test_bench"], driven.meters)
     bench.state = driven.bench.state
+    bench.go_on_from(driven.bench)
     for _ in range(TICKS):
         bench.cycle(1)
     bench.advance(driven.said[-1]["asked"], BATTERY)
     assert bench.outputs()[0].load_speed[1] == pytest.approx(SPEED, abs=0.1)
     gateway = GatewayOnBus(driven.configurations["inverter_gateway"], lambda: 1)
     gateway.state = driven.gateway.state
+    gateway.go_on_from(driven.gateway)
     gateway.step(COMMAND, LOAD, driven.said[-1]["feedback"], driven.said[-1]["shafts"])
     assert gateway.station.s.tick == driven.gateway.station.s.tick
+
+
+@pytest.mark.parametrize("cycle", range(TICKS + 1))
+def test_a_change_in_any_cycle_of_a_period_leaves_what_is_measured(cycle):
+    """Means are those of all cycles since the last instant, whoever has made them; a lost set-point stays counted."""
+    ends = Ends(values=tuple(each for each in VALUES if not each[1].startswith("inject")))
+    ends.instants(0.25)
+    circuit = ends.bench._circuits["11"]
+    circuit.inverters[0].lost = 3.0
+    before, asked = ends.bench.outputs(), ends.said[-1]["asked"]
+    ends.bench.advance(asked, BATTERY)
+    for tick in range(TICKS + 1):
+        if tick == cycle:
+            after = BenchOnBus(ends.configurations["test_bench"].changed({"cooling": False}), ends.meters)
+            after.state = ends.bench.state
+            after.go_on_from(ends.bench)
+            ends.bench = after
+            assert after.outputs()[0].torque[:2] == pytest.approx((10.0, 20.0), abs=0.1)
+        if tick < TICKS:
+            ends.cycle()
+    ends.bench.advance(asked, BATTERY)
+    (shafts, electrical, *_, states), (was, electrical_then, *_) = ends.bench.outputs(), before
+    assert shafts.torque == pytest.approx(was.torque, abs=1e-3)
+    assert shafts.machine_torque == pytest.approx(was.machine_torque, abs=1e-3)
+    assert electrical.current == pytest.approx(electrical_then.current, abs=1e-3)
+    assert states.lost_11 == 3.0
 
 
 def test_a_command_that_is_held_from_before_gets_too_old():
@@ -177,6 +205,7 @@ def test_a_change_of_a_parameter_makes_no_command_fresh():
     for _ in range(3):
         after = GatewayOnBus(ends.configurations["inverter_gateway"], lambda: ends.stamp)
         after.state = ends.gateway.state
+        after.go_on_from(ends.gateway)
         ends.gateway = after
         ends.instants(0.05, commanded=False)
     assert ends.said[-1]["shafts"].machine_torque[0] == 0.0

@@ -8,16 +8,18 @@ from typing import Any
 
 import pytest
 from fuzz.fuzzing import fuzzed
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.methods.register import all_methods
 from ev_core.parameters.declaration import Entry, entries
 from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.contract.signals import WheelTorqueCommand
+from ev_msgs_py.contract.stamps import from_seconds
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
-from ev_nodes.master.real_time import MasterParameters
+from ev_nodes.master.real_time import FadingInputs, MasterParameters
 
 # What some laws need of the car or of the period; the first that is accepted is taken.
 CARS: tuple[dict[str, Any], ...] = (
@@ -115,3 +117,22 @@ def test_a_command_is_not_given_up_within_two_periods(timeout, period):
     with pytest.raises(ParameterError, match=said):
         configure(MASTER, {**clock, "command_timeout": 1.0}, MasterParameters).changed({"command_timeout": timeout})
     assert configure(MASTER, {"control_period": period, "command_timeout": timeout}, MasterParameters)
+
+
+@given(st.integers(1, 100).map(lambda n: n / 1000), st.floats(0.0, 1.0), st.floats(0.001, 1.0))
+@example(0.01, 0.02, 0.04)
+@example(0.01, 0.02, 0.039)
+@example(0.01, 0.2, 0.1)
+@example(0.045, 0.02, 0.1)
+def test_the_torque_of_a_command_that_has_just_come_does_not_fade(period, ramp, timeout):
+    """At the end of the step that holds it a command in time is not yet two periods old; to a nanosecond."""
+    clock = {"mode": "realtime", "control_period": period, "command_timeout": timeout, "command_ramp": ramp}
+    try:
+        extra = configure(MASTER, clock, MasterParameters).extra
+    except ParameterError as error:
+        assert timeout - ramp < 2.0 * period + 1e-9
+        assert str(error).startswith(("parameter command_ramp: ", "parameter command_timeout: "))
+        return
+    held, step = FadingInputs((WheelTorqueCommand,)), from_seconds(period)
+    held.take(WheelTorqueCommand, 0, [100.0] * 8, step)
+    assert held.share(step, step, extra) == 1.0

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import pytest
 from bridges.stand_ins import KINDS
 from helpers.ros_graph import NAMESPACE, Graph, graph, shchur
 from rclpy.parameter import Parameter
 
+from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.parts import part_of
 from ev_doors.bridges import vehicle
 from ev_msgs_py.contract.roles import MASTER, REQUIRED
 from ev_stack.commands.program import perform
@@ -144,6 +147,20 @@ def test_ackermann_drives_backwards_by_a_negative_speed_and_steers_at_a_rate(sta
     drive(started, 20.0)
     assert state[places["longitudinal"]] == pytest.approx(-3.0, abs=0.05)
     assert state[places["road_wheel_angle"]] == pytest.approx(0.2, rel=0.02)
+
+
+@pytest.mark.parametrize("faults", [(), ("delayed driver/command.drive_torque 0.1",)])
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_command_counts_whatever_plays_the_driver(faults, compiled):
+    """The state of a law in plain Python, and of one behind sensors and faults, is a copy of its numbers."""
+    configuration = configure("driver", {"method": vehicle._LAW, "faults": faults})
+    part = part_of(configuration, compiled)
+    names = configuration.method.law.names()
+    node = SimpleNamespace(stepper=SimpleNamespace(part=part), _places={name: n for n, name in enumerate(names)})
+    before = [*part.state]
+    vehicle.CommandedDriver._obey(node, {"wanted_speed": 5.0, "left": 3.0})
+    changed = {name: now for name, was, now in zip(names, before, part.state, strict=False) if now != was}
+    assert changed == {"wanted_speed": 5.0, "left": 3.0}
 
 
 @pytest.mark.parametrize(

@@ -154,7 +154,11 @@ def test_a_limit_of_real_time_is_that_of_the_start(context):
     assert tried(plant, command_timeout=0.02) == (
         "parameter command_timeout: 0.02 is refused, expected more than two control periods, 0.02 s"
     )
-    assert tried(plant, command_timeout=0.021) == ""
+    assert tried(plant, command_timeout=0.021) == (
+        "parameter command_ramp: 0.02 is refused, expected at most command_timeout less two control periods, 0.001 s, "
+        "or the torque of every command has faded in part"
+    )
+    assert tried(plant, command_timeout=0.021, command_ramp=0.001) == ""
     plant.destroy_node()
 
 

@@ -7,6 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
@@ -135,3 +137,21 @@ def test_peak_is_the_highest_of_all_points_of_the_grid(curve):
         use = [friction(FRICTION_CURVES.index(curve), n * 1e-4, c) for n in range(10001)]
         assert peak(curve, tuple(c)) == max(use)
         assert peak_slip(curve, tuple(c)) == use.index(max(use)) * 1e-4
+
+
+@given(
+    st.floats(0.1, 2.0), st.floats(0.1, 2.0), st.floats(0.01, 20.0), st.floats(1.1, 10.0), st.floats(1e-3, 50.0),
+    st.floats(0.0, 50.0), st.floats(0.1, 10.0),
+)  # fmt: skip
+def test_dry_friction_is_that_of_its_slip_speed_however_fast(adhesion, sliding, rise, beyond, along, across, ratio):
+    """The force is use times load at any speed of its own, of 20 m/s as well; the peak is the larger of both levels."""
+    coefficients = (adhesion, rise, sliding, rise * beyond)
+    tyre = Tyre("dry_friction", coefficients, lateral_ratio=ratio)
+    on_road = Coefficients(*coefficients)
+    record = namespace(number_tree(tyre))
+    transport = along + across
+    secants = slip_vector(record, on_road, (along, across), transport, (0.0, 0.0))
+    use = math.hypot(secants[0] * along, secants[1] * across) / transport
+    assert use == pytest.approx(dry_friction(math.hypot(along, ratio * across), *coefficients), rel=1e-9)
+    assert peak("dry_friction", coefficients) == pytest.approx(max(adhesion, sliding), rel=1e-15)
+    assert use <= max(adhesion, sliding) * (1.0 + 1e-12)

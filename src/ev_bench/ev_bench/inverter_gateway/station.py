@@ -103,12 +103,14 @@ class GatewayStation:
         return ""
 
     def disable(self) -> None:
-        """Take torque and voltage from everything."""
+        """Take torque and voltage from everything; nothing is enabled by itself any more."""
+        self.s.waits = 0.0
         for device in self.devices.values():
             device.enable = False
 
     def reset(self) -> None:
-        """Begin the reset sequence of everything; nothing is enabled after it."""
+        """Begin the reset sequence of everything; nothing is enabled after it, nor by itself."""
+        self.s.waits = 0.0
         for device in self.devices.values():
             leading.begin_reset(device)
 
@@ -229,6 +231,7 @@ class GatewayOnBus(LawObject):
         self._heartbeats.clear()
         return sent
 
-    def goes_on(self) -> None:
-        """Go on with the state of another object, in which time has begun."""
-        self._has_begun = True
+    def go_on_from(self, other: "GatewayOnBus") -> None:
+        """Take over what another one, whose state it has, keeps between two instants."""
+        self._has_begun, self._torques_before = other._has_begun, other._torques_before
+        self._set_points, self._heartbeats = other._set_points, other._heartbeats

@@ -103,6 +103,12 @@ class BenchStation(ChannelStation):
         channel.busy, channel.latency = share * self.meter.bits, self.meter.latency * bit_rate
         channel.lost = sum(inverter.lost for inverter in self.inverters)
 
+    def go_on_from(self, other: BenchStation) -> None:
+        """Take over what another one keeps of the period, besides its state."""
+        self._tick, self.has_begun, self._motions = other._tick, other.has_begun, other._motions
+        for inverter, before in zip(self.inverters, other.inverters, strict=True):
+            inverter.lost = before.lost
+
     def begin_period(self) -> None:
         """Begin means and counts anew."""
         begin_period(self.s)
@@ -159,10 +165,12 @@ class BenchOnBus(LawObject):
         for circuit in self._circuits.values():
             circuit.begin_period()
 
-    def goes_on(self) -> None:
-        """Time has begun."""
-        self._begin()
-        self._tick = self._last_tick = self.given["s"].periods * self.given["c"].ticks
+    def go_on_from(self, other: BenchOnBus) -> None:
+        """Take over what another one, whose state it has, keeps between two instants: means are those of all cycles."""
+        self._tick, self._last_tick = other._tick, other._last_tick
+        self._has_begun, self._last_outputs = other._has_begun, other._last_outputs
+        for name, circuit in self._circuits.items():
+            circuit.go_on_from(other._circuits[name])
 
     def _begin(self) -> None:
         self._has_begun = True

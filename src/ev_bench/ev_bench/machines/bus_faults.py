@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
 
 from ev_bench.inverter.device import Injected
-from ev_core.law import compilable, entry, setting
+from ev_core.law import ParameterError, compilable, entry, setting
 from ev_msgs_py.can.frames import TICK
 from ev_msgs_py.can.payload import NO_FRAME
 
@@ -36,6 +37,23 @@ class BusFault(IntEnum):
 FAULTY_DRIVES = ("right", "left")
 
 
+# With these values nothing would be wrong.
+_WITHOUT_EFFECT = {
+    "hot_winding": 0.0,
+    "hot_inverter": 0.0,
+    "over_voltage": 0.0,
+    "over_current": 0.0,
+    "transducer_offset": 0.0,
+    "transducer_gain": 1.0,
+}
+_ROUNDING = 1e-9  # s, by which the time of a tick may be off
+
+
+def _first_tick(time: float) -> int:
+    """The first tick that is not before a time [s]."""
+    return math.ceil((time - _ROUNDING) / TICK)
+
+
 @dataclass(frozen=True, slots=True)
 class BusFaultParameters:
     """What is put into which circuit, and when."""
@@ -49,6 +67,22 @@ class BusFaultParameters:
         about="how much: K of hot_*, V, A, N m of transducer_offset and load_limit, share of transducer_gain, the bit "
         "of wrong_crc",
     )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        """ParameterError for a fault that would never strike, or change nothing."""
+        if self.kind == "none":
+            return
+        if _first_tick(self.end) <= _first_tick(self.begin):
+            raise ParameterError(
+                f"end: {self.end!r} is refused beside begin {self.begin!r}, expected a multiple of {TICK:g} s from "
+                "begin on and before end: the fault would never strike"
+            )
+        if self.kind == "load_limit" and self.value < 0.0:
+            raise ParameterError(f"value: {self.value!r} is refused beside kind load_limit, expected 0 or more")
+        if self.value == _WITHOUT_EFFECT.get(self.kind):
+            raise ParameterError(
+                f"value: {self.value!r} is refused beside kind {self.kind}, expected another one: it changes nothing"
+            )
 
 
 @dataclass(slots=True)
@@ -69,7 +103,7 @@ class Words(NamedTuple):
 @compilable
 def present(p: BusFaultParameters, tick: float, channel: int) -> int:
     """The kind that is there in a tick on a channel, 0 for the right circuit and 1 for the left."""
-    there = int(p.drive) == channel and p.begin <= tick * TICK + 1e-9 and tick * TICK + 1e-9 < p.end
+    there = int(p.drive) == channel and p.begin <= tick * TICK + _ROUNDING and tick * TICK + _ROUNDING < p.end
     return int(p.kind) if there else 0
 
 

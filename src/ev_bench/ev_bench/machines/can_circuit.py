@@ -70,7 +70,7 @@ def _follow(p: CanCircuitsParameters, c: CanConstants, s: CircuitState, now: flo
     largest = circuit.largest_torques(p, c.circuits, s)
     for n in range(steps):
         machine.command.torque = circuit.follow(path, now, steps, n, c.circuits.delay, change)
-        circuit.follow_of_load(p, c.circuits, s, now, steps, n)
+        circuit.follow_of_load(p, c.circuits, s, now, steps, n, asked_speed)  # which is a limit beside a torque
         if machine.state != OPERATION_ENABLED:
             path.now = 0.0
         circuit.turn_shaft(p, c.circuits, s, largest)

@@ -139,7 +139,7 @@ def advance_circuit(
     steps, rate, largest = int(c.steps), c.h * p.set_point.torque_rate, largest_torques(p, c, s)
     for n in range(steps):
         s.machine.command.torque = follow(s.torque_path, periods, steps, n, c.delay, rate)
-        follow_of_load(p, c, s, periods, steps, n)
+        follow_of_load(p, c, s, periods, steps, n, p.load.machine.maximum_speed)
         turn_shaft(p, c, s, largest)
     end_period(p, c, s, period)
 
@@ -169,15 +169,15 @@ def send_to_load(p: CircuitsParameters, s: CircuitState, cycle: float, torque: f
 
 @compilable
 def follow_of_load(
-    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, cycle: float, steps: int, n: int
+    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, cycle: float, steps: int, n: int, limit: float
 ) -> None:
-    """What the load inverter follows in step n of the `steps` of a cycle."""
+    """What the load inverter follows in step n of the `steps` of a cycle; torques end at a speed `limit` [rad/s]."""
     rate, acceleration = c.h * p.load_set_point.torque_rate, c.h * p.load_set_point.speed_rate
     command = s.load.command
     command.torque = -follow(s.load_torque_path, cycle, steps, n, c.load_delay, rate)
     asked_speed = follow(s.load_speed_path, cycle, steps, n, c.load_delay, acceleration)
     in_speed_mode = int(command.mode) == SPEED_MODE
-    command.speed = asked_speed if in_speed_mode else p.load.machine.maximum_speed  # else it is a limit
+    command.speed = asked_speed if in_speed_mode else limit
 
 
 @compilable

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
 from typing import Any
 
 from rclpy.node import Node
@@ -149,7 +150,7 @@ class RoleOnBus(WithBus, SteppedNode):
     """Steps as every node does, and besides makes cycles of 1 ms by the wall clock, with frames in and out.
 
     A subclass makes what plays its role (`played_by`): an object that steps or advances, with `receive(circuit,
-    frame)` and `cycle(ticks)` for the bus.
+    frame)` and `cycle(ticks)` for the bus, and `go_on_from(other)` where parameters change.
     """
 
     def __init__(self, *arguments: Any, **node_arguments: Any) -> None:
@@ -167,6 +168,13 @@ class RoleOnBus(WithBus, SteppedNode):
     def new_part(self, configuration: Configuration, may_wait: bool = True) -> Part:
         """What plays the role, behind its sensors."""
         return behind_sensors(configuration, PythonPart(configuration.method, self.played_by(configuration)))
+
+    def successor(self, configuration: Configuration, changed: Iterable[str] = ()) -> Part:
+        """What goes on with other parameters, in the midst of a period, and with what has come over the bus in it."""
+        part = super().successor(configuration, changed)
+        if self.stepper.answer is not None:
+            bare(part).made.go_on_from(self.player)
+        return part
 
     @property
     def player(self) -> Any:

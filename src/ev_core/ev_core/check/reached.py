@@ -23,7 +23,7 @@ from ev_core.check.stepping import Subject, outputs
 from ev_core.compiling.fingerprint import Reach
 from ev_core.methods.method_record import Method
 
-_BESIDES = ("reports", "goes_on", "state")  # hooks that a run may never call
+_BESIDES = ("reports", "state")  # hooks that a run may never call
 _Line = tuple[CodeType, int]
 # Functions of math and numpy that C libraries round differently.
 _OF_BOTH = "sin cos tan sinh cosh tanh exp exp2 expm1 log log2 log10 log1p hypot pow cbrt"

@@ -240,7 +240,3 @@ class LawObject:
     @state.setter
     def state(self, row: list[float]) -> None:
         fill(self._record, row)
-        self.goes_on()
-
-    def goes_on(self) -> None:
-        """Called when it has been given the state of another object."""

@@ -72,8 +72,11 @@ class CommandedDriver(SteppedNode):
         if wrong:
             self.reports.note(wrong[0], f"a command is refused: {wrong[0]} is {command[wrong[0]]}, expected a number")
             return
+        part = self.stepper.part
+        state = [*part.state]  # in plain Python, and behind sensors and faults, this is a copy
         for name, value in command.items():
-            self.stepper.part.state[self._places[name]] = value
+            state[self._places[name]] = value
+        part.state = state
 
     @property
     def command_lasts(self) -> float:

@@ -89,11 +89,26 @@ class MasterParameters:
 
     def refuse_beside(self, common: CommonParameters) -> None:
         """ParameterError if they do not fit to those that every node has."""
-        if common.mode == "realtime" and self.command_timeout <= 2.0 * common.control_period:
-            allowed = f"more than two control periods, {2.0 * common.control_period:g} s"
+        if common.mode != "realtime":
+            return
+        periods = 2.0 * common.control_period
+        if self.command_timeout <= periods:
+            allowed = f"more than two control periods, {periods:g} s"
             name = "command_timeout"
             raise ParameterError(
                 f"parameter {name}: {self.command_timeout:g} is refused, expected {allowed}", name
+            )
+        # In whole nanoseconds: 0.04 s - 0.02 s is not 0.02 s in floats.
+        most = stamps.from_seconds(self.command_timeout) - stamps.from_seconds(periods)
+        if stamps.from_seconds(self.command_ramp) > most:
+            allowed = (
+                f"at most command_timeout less two control periods, {stamps.to_seconds(most):g} s"
+            )
+            name = "command_ramp"
+            raise ParameterError(
+                f"parameter {name}: {self.command_ramp:g} is refused, expected {allowed}, or the torque of every "
+                "command has faded in part",
+                name,
             )
 
 

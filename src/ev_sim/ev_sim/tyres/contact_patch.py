@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from ev_core.law import inlined, sqrt
 from ev_core.vehicle.tyre import Tyre
-from ev_sim.tyres.curve import DRY_FRICTION, SLIP_FLOOR, Coefficients, secant
+from ev_sim.tyres.curve import DRY_FRICTION, SLIP_FLOOR, Coefficients, dry_friction, secant
 from ev_sim.tyres.mf_tyre import AtLoad, MfTyre, forces
 
 Pair = tuple[float, float]  # along and across the wheel
@@ -96,7 +96,10 @@ def slip_vector(
     stretched = tyre.lateral_ratio * slid[1]
     resulting = sqrt(slid[0] * slid[0] + stretched * stretched)
     if tyre.curve == DRY_FRICTION:
-        rubbed = transport * secant(tyre.curve, resulting, on_road)
+        # Over the slip speed itself, which has no full slip.
+        speed = max(resulting, SLIP_FLOOR)
+        use = dry_friction(speed, on_road.c0, on_road.c1, on_road.c2, on_road.c3)
+        rubbed = transport * (use / speed)
         return rubbed, tyre.lateral_ratio * rubbed
     slip = resulting / transport
     if slip > AHEAD:

@@ -147,9 +147,9 @@ def largest(curve: float, available: float, c: Coefficients) -> float:
 
 
 def peak(curve: str, coefficients: tuple[float, float, float, float]) -> float:
-    """Largest friction use up to full slip [1], the available friction.
+    """Largest friction use up to full slip, or at any slip speed [1]: the available friction.
 
-    It is found on a grid of 1e-4 in slip.
+    `peak_slip` is where it is reached.
     """
     return friction(
         FRICTION_CURVES.index(curve), peak_slip(curve, coefficients), Coefficients(*coefficients)
@@ -158,12 +158,15 @@ def peak(curve: str, coefficients: tuple[float, float, float, float]) -> float:
 
 @cache
 def peak_slip(curve: str, coefficients: tuple[float, float, float, float]) -> float:
-    """Slip [1] of the largest friction use, on the grid of `peak`; 1 for a curve that only rises.
+    """Slip [1] of the largest friction use, on a grid of 1e-4; 1 for a curve that only rises.
 
     The curves rise to one peak and then fall: around the highest of every hundredth point lies the
-    highest of all.
+    highest of all. Of dry friction it is a slip speed [m/s], where one cubic goes over into the
+    next.
     """
     of, c = FRICTION_CURVES.index(curve), Coefficients(*coefficients)
+    if of == DRY_FRICTION:
+        return c.c1 if c.c0 >= c.c2 else c.c3
 
     def highest(places: range) -> int:
         return max(places, key=lambda place: friction(of, place * _STEP, c))
