@@ -9,10 +9,10 @@ from house import ROOT, files, lines_of, modules
 from reading import Reading, reading_of
 
 # What src has now. A change that makes one smaller lowers it here; the aims are 9.0, 0.08, 20 and 40.
-DENSITY = 9.9
-COMMENT_SHARE = 0.039
-LONG_SIGNATURES = 60
-ODD_DOCSTRINGS = 580
+DENSITY = 9.7
+COMMENT_SHARE = 0.038
+LONG_SIGNATURES = 23
+ODD_DOCSTRINGS = 425
 
 
 @pytest.fixture(scope="module")

@@ -126,7 +126,7 @@ def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
     printed, told = capsys.readouterr()
     assert f"hash of all runs {board['hash']}" in printed
     assert ", 1 of them driven before" in printed
-    assert f"{part} does not fit its checksum: it is removed and made anew" in told
+    assert f"{part} does not fit its checksum: it is removed and made again" in told
 
 
 @pytest.mark.parametrize("way", ["--offline", "--in-process"])

@@ -115,7 +115,7 @@ class Driveline:
             if "individual" in (self.front, self.rear):
                 raise ParameterError("front and rear: individual is refused with coupling centre, that has one motor")
             if {self.front_gear, self.rear_gear, self.front_size, self.rear_size} != {1.0}:
-                raise ParameterError(f"gear and size of an axle: 1 is allowed with coupling {self.coupling}, one motor")
+                raise ParameterError(f"gear and size of an axle: expected 1 with coupling {self.coupling}, one motor")
 
     @property
     def has_one_input(self) -> bool:

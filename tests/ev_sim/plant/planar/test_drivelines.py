@@ -88,7 +88,7 @@ def test_differentials_lose_what_their_locks_take_and_no_more():
         ({"centre_lock": 1.5}, "centre_lock: 1.5 is refused, expected 0: K is that of a Torsen or DCCD, not open"),
         ({"coupling": "clutch", "front": "open"}, "front and rear are refused with coupling clutch"),
         ({"coupling": "centre", "rear": "individual"}, "front and rear: individual is refused with coupling centre"),
-        ({"coupling": "centre", "rear_size": 2.0}, "gear and size of an axle: 1 is allowed with coupling centre"),
+        ({"coupling": "centre", "rear_size": 2.0}, "gear and size of an axle: expected 1 with coupling centre"),
     ],
 )
 def test_drivelines_that_nobody_builds_are_refused(values, said):
