@@ -9,11 +9,11 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.losses import loss_power
+from ev_papers.dissertation.figures.slip_curve import slip_curve_figure
 from ev_papers.dissertation.figures.urban_mixed import (
     OF_A_CIRCUIT,
     electrical,
     over_friction,
-    slip_curve_figure,
     wheel_efficiency,
 )
 from ev_papers.dissertation.figures.urban_sheets import cycle_figure, over_cycle
@@ -28,21 +28,26 @@ from ev_stack.recording.recording import Recording
 from ev_study.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.panels_page import Draw, PublishedPanel, cannot_be_drawn, over_time
 
-CYCLES, ON_BENCH = (
-    {
-        METHODS[name].number: ScenarioNeed(scenario, case(name, "pulse", 1).values, slow=True)
-        for name in FIVE
-    }
-    for scenario in (SCENARIO, BENCH)
-)
+# Draws a run, given its car and the parameters of its driver.
+_OfRun = Callable[[Recording, Vehicle, Mapping[str, Any]], Sheet]
 _FIGURES_OF_A_METHOD = 5
-_OfRun = Callable[
-    [Recording, Vehicle, Mapping[str, Any]], Sheet
-]  # of the run, its car, the parameters of its driver
+
+
+def _needs(scenario: str) -> dict[int, ScenarioNeed]:
+    """Cycle of each method with driver pulse on the first road, by the number of the method."""
+    found = {}
+    for name in FIVE:
+        values = case(name, "pulse", 1).values
+        found[METHODS[name].number] = ScenarioNeed(scenario, values, slow=True)
+    return found
+
+
+CYCLES = _needs(SCENARIO)
+ON_BENCH = _needs(BENCH)
 
 
 def _of_run(draw: _OfRun) -> Draw:
-    """What draws the only run of a scenario."""
+    """Function that draws the only run of a scenario."""
 
     def drawn(driven: ScenarioRuns) -> Sheet:
         (run,) = driven.runs.values()
@@ -60,17 +65,12 @@ def _of_each_method(
 ) -> tuple[PublishedPanel, ...]:
     """The same panel for methods 1 to 5; `figure` gives the number of the figure of a method."""
     ending = f".{letter}" if letter else ""
-    return tuple(
-        PublishedPanel(
-            figure(number),
-            letter,
-            row,
-            (f"diss.fig{figure(number)}{ending}",),
-            (need,),
-            _of_run(draw),
-        )
-        for number, need in cycles.items()
-    )
+    found = []
+    for number, need in cycles.items():
+        name = figure(number)
+        ids = (f"diss.fig{name}{ending}",)
+        found.append(PublishedPanel(name, letter, row, ids, (need,), _of_run(draw)))
+    return tuple(found)
 
 
 def _quantity(name: str, side: str = "") -> _OfRun:
@@ -99,7 +99,8 @@ def _simulated(row: str, first: int, letter: str, draw: _OfRun) -> tuple[Publish
 
 def _model_and_bench(model: ScenarioRuns, bench: ScenarioRuns) -> Sheet:
     """Right torque of both runs of method 1."""
-    (one,), (other,) = model.runs.values(), bench.runs.values()
+    (one,) = model.runs.values()
+    (other,) = bench.runs.values()
 
     def curves() -> list[Curve]:
         return [
@@ -107,9 +108,8 @@ def _model_and_bench(model: ScenarioRuns, bench: ScenarioRuns) -> Sheet:
             Curve(other.time, channel(other, "bench.shafts.torque.front_right"), "bench"),
         ]
 
-    return over_cycle(
-        [panel("Right torque, method 1", "torque [N m]", curves)], one, model.parameters["driver"]
-    )
+    torque = panel("Right torque, method 1", "torque [N m]", curves)
+    return over_cycle([torque], one, model.parameters["driver"])
 
 
 _BENCH_PANELS = (

@@ -1,4 +1,4 @@
-"""Figures of a run of the urban cycle on mixed surfaces, like the dissertation's 2.8, 3.1 to 3.10 and 5.1 to 5.25."""
+"""Figures of a run of the urban cycle on mixed surfaces, like 3.1 to 3.10 and 5.1 to 5.25."""
 
 from __future__ import annotations
 
@@ -18,121 +18,23 @@ from ev_papers.dissertation.figures.urban_sheets import (
     recorded,
 )
 from ev_papers.dissertation.measures.circuits import CircuitShares, circuit_shares
-from ev_papers.dissertation.measures.slip_curve import (
-    SlipCurve,
-    first_passed_peak,
-    slip_and_road_torque,
-)
 from ev_papers.dissertation.measures.traction_windows import traction
-from ev_sim.surfaces import curve_on_road
-from ev_sim.tyres.curve import FRICTION_CURVES, friction
 from ev_stack.figures.panels import Axes, Curve, Panel, panel, readable
 from ev_stack.figures.sheets import Sheet
-from ev_stack.figures.strokes import HUES
 from ev_stack.measures import motion
-from ev_stack.measures.handling import surfaces_under
 from ev_stack.measures.metric import NotMeasured, channel
 from ev_stack.recording.recording import Recording
 
-AROUND = 0.1  # [s] before and after the window, of which samples are drawn, too
-_ALLOWED, _BEYOND = "#E3F1E6", "#FBE3DC"
-_SLIP, _SHAPE = (
-    "slip x = 1 - w_free/w [1]",
-    0.55,
-)  # abscissa, and height over width of the slip curve
-
-
-def slip_curve_figure(run: Recording, vehicle: Vehicle) -> Sheet:
-    """Road torque over slip where the left driven wheel first passes its peak: samples, fit and its two zones."""
-    title, ylabel = "Slip curve by least squares", "road torque y = (M - J w')/M_nom [1]"
-    try:
-        wheel = _left_wheel(vehicle)
-        title = f"{title}, {readable(wheel)} wheel"
-        ground = partial(
-            _draw,
-            run=run,
-            vehicle=vehicle,
-            wheel=wheel,
-            curve=first_passed_peak(run, vehicle, wheel),
-        )
-    except NotMeasured as why:
-        return Sheet(
-            [Panel(title, ylabel, note=f"not measured: {why}", xlabel=_SLIP, shape=_SHAPE)]
-        )
-    return Sheet([Panel(title, ylabel, ground=ground, xlabel=_SLIP, shape=_SHAPE)])
-
-
-def _left_wheel(vehicle: Vehicle) -> str:
-    for wheel in vehicle.driven_wheels:
-        if wheel.endswith("left"):
-            return wheel
-    raise NotMeasured("no wheel is driven on the left")
-
-
-def _draw(axes: Axes, run: Recording, vehicle: Vehicle, wheel: str, curve: SlipCurve) -> None:
-    x, y = slip_and_road_torque(run, vehicle, wheel)
-    begin, end = run.time[curve.window.start] - AROUND, run.time[curve.window.stop - 1] + AROUND
-    around = (run.time >= begin) & (run.time <= end) & (x >= 0.0)
-    peak, hit = curve.peak, curve.window.stop - 1
-    right = max(1.15 * x[around].max(), 2.0 * peak)
-    top = 1.18 * max(y[around].max(), float(curve.at(np.array(peak))))
-    slips = np.linspace(0.0, right, 300)
-    axes.axvspan(0.0, peak, facecolor=_ALLOWED, edgecolor="none")
-    axes.axvspan(peak, right, facecolor=_BEYOND, edgecolor="none")
-    axes.plot(
-        x[around], y[around], ".", color="0.6", label=f"samples from {begin:.2f} s to {end:.2f} s"
-    )
-    axes.plot(x[curve.window], y[curve.window], "o", color=HUES[0], label="window of the fit")
-    label = f"y = {curve.a:.3g} x + {curve.b:.3g} sqrt(x)"
-    axes.plot(slips, curve.at(slips), color=HUES[1], lw=1.6, label=label)
-    surface, true = _of_the_road(run, vehicle, wheel, curve, y, slips)
-    axes.plot(slips, true, color="0.25", linestyle="--", label=readable(surface))
-    axes.axvline(peak, color="0.3", lw=0.9)
-    axes.plot(
-        x[hit], y[hit], "D", color="#B00020", ms=6, label=f"peak passed at {run.time[hit]:.3f} s"
-    )
-    for place, number, words in (
-        (peak / 2, 1, "allowed slip"),
-        ((peak + right) / 2, 2, "beyond the grip"),
-    ):
-        axes.text(place, 0.98 * top, f"zone {number}: {words}", ha="center", va="top")
-    axes.annotate(
-        f"dy/dx = 0 at x = {peak:.4f}", (peak, 0.03 * top), (4, 0), textcoords="offset points"
-    )
-    axes.set_xlim(0.0, right)
-    axes.set_ylim(0.0, top)
-
-
-def _of_the_road(
-    run: Recording, vehicle: Vehicle, wheel: str, curve: SlipCurve, y: np.ndarray, slips: np.ndarray
-) -> tuple[str, np.ndarray]:
-    """The surface under the wheel, and what it takes at slips (n,) under the mean load and resistance of the window."""
-    part = curve.window
-    surface = str(surfaces_under(run, vehicle, wheel)[part.stop - 1])
-    curve_name, of = curve_on_road(vehicle.tyre, surface)
-    kind = FRICTION_CURVES.index(curve_name)
-    nominal = vehicle.motor.nominal_torque * vehicle.gear_ratio
-    load = channel(run, f"tire_forces.load.{wheel}")[part].mean()
-    force = channel(run, f"tire_forces.longitudinal_force.{wheel}")[part]
-    resistance = (y[part] - force * vehicle.wheel_radius / nominal).mean()
-    use = np.array([friction(kind, slip, of) for slip in slips])
-    return surface, use * load * vehicle.wheel_radius / nominal + resistance
-
-
 DETAIL = 15.0  # [s], length of the figure in which single pulses can be seen
-OF_A_CIRCUIT = (
-    "torque",
-    "speed",
-    "current",
-    "voltage",
-    "drive efficiency",
-)  # of a circuit, by the figures of chapter 5
+# Quantities of a circuit, in the order of the figures of chapter 5.
+OF_A_CIRCUIT = ("torque", "speed", "current", "voltage", "drive efficiency")
 
 
 def panels(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[str, list[Panel]]:
-    """Each of the OF_A_CIRCUIT of both circuits, left and right; on a test bench as its transducers show them.
+    """Panels of each of OF_A_CIRCUIT, left and right; on a test bench by its transducers.
 
-    One battery feeds both circuits, so without a bench both have its voltage. The efficiency is that of eq 2.38.
+    One battery feeds both circuits, so without a bench both have its voltage. The efficiency is
+    that of eq 2.38.
     """
     on_bench = any(name.startswith("bench.shafts.") for name in run.channels)
 
@@ -185,19 +87,18 @@ def electrical(
     side: str = "",
     columns: int = 1,
 ) -> Sheet:
-    """Some of the OF_A_CIRCUIT over the cycle, of both sides or of one: figures 3.1, 3.3 to 3.9 and 5.1 to 5.25."""
-    of, wheels = panels(run, vehicle, driver), left_and_right(vehicle)
-    shown = [
-        each
-        for name in chosen
-        for wheel, each in zip(wheels, of[name], strict=True)
-        if wheel.endswith(side)
-    ]
+    """Some of OF_A_CIRCUIT over the cycle, of both sides or of one (3.1, 3.3 to 3.9, 5.1 to 5.25)."""
+    of = panels(run, vehicle, driver)
+    shown = []
+    for name in chosen:
+        for wheel, each in zip(left_and_right(vehicle), of[name], strict=True):
+            if wheel.endswith(side):
+                shown.append(each)
     return over_cycle(shown, run, driver, columns)
 
 
 def over_friction(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Sheet:
-    """Figures 5.5v to 5.25v: the torques, with the friction of the road under each wheel on an axis of its own."""
+    """Torques, with the friction under each wheel on an axis of its own (figures 5.5v to 5.25v)."""
 
     def beside(axes: Axes, wheel: str) -> None:
         friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
@@ -209,10 +110,10 @@ def over_friction(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -
         other.grid(False)
 
     torques = panels(run, vehicle, driver)["torque"]
-    grounds = [partial(beside, wheel=wheel) for wheel in left_and_right(vehicle)]
-    return Sheet(
-        [replace(each, ground=of) for each, of in zip(torques, grounds, strict=True)], columns=1
-    )
+    shown = []
+    for wheel, each in zip(left_and_right(vehicle), torques, strict=True):
+        shown.append(replace(each, ground=partial(beside, wheel=wheel)))
+    return Sheet(shown, columns=1)
 
 
 def wheel_efficiency(
@@ -222,28 +123,26 @@ def wheel_efficiency(
     wheels: Sequence[str],
     below: Sequence[Panel] = (),
 ) -> Sheet:
-    """Figures 3.2, 3.4 to 3.10: running efficiency (eq 2.37) of wheels over the friction there, and panels below."""
-    of_wheels = [
-        panel(
+    """Running efficiency (eq 2.37) of wheels over the friction there (figures 3.2, 3.4 to 3.10)."""
+
+    def of(wheel: str) -> Panel:
+        shown = panel(
             f"Wheel efficiency since the start, {readable(wheel)}",
             "efficiency, friction [1]",
-            lambda wheel=wheel: [_wheel_efficiency(run, vehicle, driver, wheel)],
+            lambda: [_wheel_efficiency(run, vehicle, driver, wheel)],
             ends=(0.0, 1.05),
         )
-        for wheel in wheels
-    ]
-    over = [
-        replace(each, ground=_friction_below(run, wheel))
-        for each, wheel in zip(of_wheels, wheels, strict=True)
-    ]
-    return Sheet([*over, *below], columns=1)
+        return replace(shown, ground=_friction_below(run, wheel))
+
+    return Sheet([*map(of, wheels), *below], columns=1)
 
 
 def _wheel_efficiency(
     run: Recording, vehicle: Vehicle, driver: Mapping[str, Any], wheel: str
 ) -> Curve:
-    """Eq 2.37 from the start of the cycle up to each sample; a gap where fractions of a turn give nonsense."""
+    """Eq 2.37 from the start of the cycle up to each sample."""
     found = _shares(run, vehicle, wheel).running_efficiency(traction(run, driver))
+    # A gap where fractions of a turn give nonsense.
     return Curve(run.time, np.where((found >= 0.0) & (found <= 1.0), found, np.nan))
 
 
@@ -256,10 +155,9 @@ def _drive_efficiency(
 
 
 def _current(run: Recording, vehicle: Vehicle, wheel: str) -> Curve:
-    """What the circuit takes from the battery [A]."""
-    period = np.diff(
-        run.time, prepend=run.time[0] - 1.0
-    )  # the first sample has no period before it
+    """Current of the circuit from the battery [A]."""
+    # The first sample has no period before it.
+    period = np.diff(run.time, prepend=run.time[0] - 1.0)
     work = _shares(run, vehicle, wheel).electrical_work
     return Curve(run.time, work / period / channel(run, "battery.voltage"))
 
@@ -272,27 +170,21 @@ def _shares(run: Recording, vehicle: Vehicle, wheel: str) -> CircuitShares:
 
 
 def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Sheet:
-    """Some seconds of the first window in which the accelerator is pressed: what the torque control does."""
+    """Torque control in some seconds of the first window with the accelerator pressed."""
     try:
         begin = run.time[motion.first(traction(run, driver), "traction")] - 0.5
     except NotMeasured:
         begin = run.time[0]
     part = (run.time >= begin) & (run.time <= begin + DETAIL)
-    shorter = Recording(
-        run.time[part], {name: values[part] for name, values in run.channels.items()}
-    )
+    channels = {name: values[part] for name, values in run.channels.items()}
+    shorter = Recording(run.time[part], channels)
     wheels = left_and_right(vehicle)
 
     def rims() -> list[Curve]:
-        named = [(wheel, f"{readable(wheel)} rim") for wheel in wheels]
-        curves = [
-            Curve(
-                shorter.time,
-                vehicle.wheel_radius * channel(shorter, f"wheel_states.velocity.{wheel}"),
-                label,
-            )
-            for wheel, label in named
-        ]
+        curves = []
+        for wheel in wheels:
+            speed = vehicle.wheel_radius * channel(shorter, f"wheel_states.velocity.{wheel}")
+            curves.append(Curve(shorter.time, speed, f"{readable(wheel)} rim"))
         return [*curves, Curve(shorter.time, motion.path_speed(shorter), "car")]
 
     def asked() -> list[Curve]:
@@ -325,7 +217,7 @@ def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Sheet
 
 
 def _friction_below(run: Recording, wheel: str) -> Callable[[Axes], None] | None:
-    """Draws the largest friction of the road under a wheel as a ground; None if it was not recorded."""
+    """Ground with the largest friction of the road under a wheel; None if it was not recorded."""
     try:
         friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")[::10]
     except NotMeasured:

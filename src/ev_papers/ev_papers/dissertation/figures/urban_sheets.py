@@ -34,13 +34,29 @@ SURFACE_COLOURS = {
 MODE_COLOURS = dict(zip(MODES, ("#F2F2F2", "#F4B183", "#A9D18E"), strict=True))
 _SHADE = "#FBF1E8"  # behind curves: that of traction, hardly visible
 _STRIP = 0.045  # height of a strip over its width
+# Channels and labels of the panels of motors and bench.
+_COOLED = (("winding", "winding"), ("inverter", "power stage"), ("coolant_outlet", "coolant out"))
+_TORQUES = (
+    ("bench.shafts.set_point", "set-point"),
+    ("bench.shafts.torque", "measured"),
+    ("bench.load_command.torque", "load torque of the road"),
+)
+_SPEEDS = (("bench.load_command.speed", "set-point"), ("bench.shafts.speed", "measured"))
+_TEMPERATURES = (
+    ("bench.temperatures.coolant_in", "coolant in"),
+    ("bench.temperatures.coolant_out", "coolant out"),
+    ("bench.temperatures.load_coolant_out", "load, coolant out"),
+    ("bench.temperatures.rotor", "rotor"),
+)
 
 
 def stretches(time: np.ndarray, names: np.ndarray) -> list[tuple[float, float, str]]:
     """Start and end [s] of each stretch with one name, of names (n,) str over time (n,) [s]."""
     changes = np.flatnonzero(names[1:] != names[:-1]) + 1
     edges = [0, *changes.tolist(), len(names) - 1]
-    return [(float(time[a]), float(time[b]), str(names[a])) for a, b in pairwise(edges)]
+    return [
+        (float(time[start]), float(time[end]), str(names[start])) for start, end in pairwise(edges)
+    ]
 
 
 def over_cycle(
@@ -58,19 +74,15 @@ def over_cycle(
             windows, (0.0, 1.0), transform=axes.get_xaxis_transform(), facecolor=_SHADE, zorder=0
         )
 
-    return Sheet(
-        [panel if panel.ground else replace(panel, ground=shade) for panel in panels],
-        columns=columns,
-    )
+    shaded = [panel if panel.ground else replace(panel, ground=shade) for panel in panels]
+    return Sheet(shaded, columns=columns)
 
 
 def left_and_right(vehicle: Vehicle) -> tuple[str, ...]:
     """The first two driven wheels; the front ones where fewer are driven."""
-    return (
-        vehicle.driven_wheels[:2]
-        if len(vehicle.driven_wheels) > 1
-        else ("front_left", "front_right")
-    )
+    if len(vehicle.driven_wheels) < 2:
+        return ("front_left", "front_right")
+    return vehicle.driven_wheels[:2]
 
 
 def each_side(
@@ -111,7 +123,7 @@ def both_sides(run: Recording, vehicle: Vehicle, quantity: str) -> list[Curve]:
 
 
 def cycle_figure(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Sheet:
-    """Figure 2.13: the cycle over time, what lies under the wheels, and the windows."""
+    """Figure 2.13: the cycle over time, the surfaces under the wheels, and the windows."""
 
     def speeds() -> list[Curve]:
         return [
@@ -152,9 +164,6 @@ def _strip(
         axes.set_yticks([])
 
     return Panel(title, "", ground=strip, ends=(0.0, 1.0), shape=_STRIP)
-
-
-_COOLED = (("winding", "winding"), ("inverter", "power stage"), ("coolant_outlet", "coolant out"))
 
 
 def motors_and_cells(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Sheet:
@@ -205,22 +214,8 @@ def motors_and_cells(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]
     )
 
 
-_TORQUES = (
-    ("bench.shafts.set_point", "set-point"),
-    ("bench.shafts.torque", "measured"),
-    ("bench.load_command.torque", "load torque of the road"),
-)
-_SPEEDS = (("bench.load_command.speed", "set-point"), ("bench.shafts.speed", "measured"))
-_TEMPERATURES = (
-    ("bench.temperatures.coolant_in", "coolant in"),
-    ("bench.temperatures.coolant_out", "coolant out"),
-    ("bench.temperatures.load_coolant_out", "load, coolant out"),
-    ("bench.temperatures.rotor", "rotor"),
-)
-
-
 def bench_channels(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Sheet:
-    """Torques and speeds commanded and measured, temperatures of both circuits, and the accounts of energy."""
+    """Torques and speeds commanded and measured, temperatures, and the accounts of energy."""
 
     def energies() -> list[Curve]:
         return [

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
+from ev_papers.dissertation.figures.slip_curve import slip_curve_figure
 from ev_papers.dissertation.figures.urban_mixed import (
     detail,
     electrical,
     panels,
-    slip_curve_figure,
     wheel_efficiency,
 )
 from ev_papers.dissertation.figures.urban_sheets import (
