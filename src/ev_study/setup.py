@@ -25,7 +25,9 @@ setup(
     python_requires=">=3.11",
     install_requires=[f"ev_stack=={VERSION}"],
     extras_require={
+        "can": [f"ev_msgs_py[can]=={VERSION}", "python-can>=4.6.1"],
         "cluster": ["dask", "distributed"],
+        "mf4": ["asammdf>=8.8"],
         "test": ["pytest"],
         "tune": ["cma>=4.4"],
     },
