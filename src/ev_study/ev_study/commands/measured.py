@@ -101,7 +101,23 @@ def run_validate(argv: Sequence[str]) -> None:
 
 
 def run_identify(argv: Sequence[str]) -> None:
-    """Find parameters of a car from a record, and print and write them with what is known of each."""
+    """Find parameters of a car, a tyre or a motor, and print and write them with what is known of each."""
+    parser = _parser_of_identify()
+    given = parser.parse_args(argv)
+    command = command_of(["identify", *argv])
+    if given.motor:
+        _identify_motor(given, command)
+    elif given.tyre:
+        _identify_tyre(given, command)
+    elif given.record is None or not given.free:
+        parser.error(
+            "which record, and which parameters? RECORD --free GROUP ..., or --tyre RIG ..., or --motor MAP.csv"
+        )
+    else:
+        _identify_car(given, command)
+
+
+def _parser_of_identify() -> Parser:
     parser = Parser(
         prog="run.sh identify", description="scripts/run.sh identify: parameters of a car from a record of it."
     )
@@ -136,42 +152,23 @@ def run_identify(argv: Sequence[str]) -> None:
     parser.add_argument(
         "--no-report", action="store_true", help="neither report.html nor figures, numbers all the same"
     )
-    given = parser.parse_args(argv)
-    if given.motor:
-        with OutputFolder(given.out, "identify motor", FILES_OF_MOTOR) as folder:
-            motor = fit_motor(given.motor)
-            print(motor_table(motor))
-            write_motor(folder.directory, motor, command_of(["identify", *argv]))
-        print(f"{len(motor.speed)} points, {motor.left_out} rows left out; motor: {folder.directory / MOTOR}")
-        return
-    if given.tyre:
-        _identify_tyre(given, command_of(["identify", *argv]))
-        return
-    if given.record is None or not given.free:
-        parser.error(
-            "which record, and which parameters? RECORD --free GROUP ..., or --tyre RIG ..., or --motor MAP.csv"
-        )
+    return parser
+
+
+def _identify_car(given: argparse.Namespace, command: str) -> None:
+    """Fit parameters of a car to the first part of a record, and hold it against the rest."""
     for name, most in _MOST.items():
         value = getattr(given, name)
         if not 0.0 < value <= most:
             raise ParameterError(f"--{name} {value:g} is refused, expected more than 0 and at most {most:g}")
     record = open_record(given.record, given.mapping)
-    begin, end = given.part
-    split = begin + given.train * (end - begin)
-    parts = {PARTS[0]: (begin, split), **({PARTS[1]: (split, end)} if given.train < 1.0 else {})}
-    changed = overrides(given)
-    replays = {
-        part: _replay(given, record, windows_of(record, given.window, *of), changed) for part, of in parts.items()
-    }
+    replays = _replays_of_parts(given, record)
     replay = replays[PARTS[0]]
     if wrong := contradictions(replay):
         raise ParameterError(f"{record.source}: {wrong[0]}")
     stated, beside = _given(given)
     free = free_parameters(given.free, replay.configurations)
-    signals = given.signals or [name for name in (YAW_RATE, SIDESLIP) if name in replay.compared]
-    for name in signals:
-        if name not in replay.compared:
-            raise unknown_name("--signals", name, replay.compared)
+    signals = _signals_to_fit(given, replay)
     seed = given.seed or 0
     key = search_key(replay, free, signals, given.every, given.prior, given.starts, seed, given.steps, given.impose)
     reads = [given.record, given.mapping, *files_read(given)]
@@ -183,7 +180,7 @@ def run_identify(argv: Sequence[str]) -> None:
         )  # fmt: skip
         known = knowledge(fitted.residuals, fitted.derivatives, fitted.values, free, given.prior, seed)
         moved = moved_by_scales(replay, free, fitted, given.every, given.prior)
-        found = Identified(free, fitted, known, replays, stated, beside, command_of(["identify", *argv]), moved)
+        found = Identified(free, fitted, known, replays, stated, beside, command, moved)
         print(found.table())
         found.write(folder.directory, not given.no_report)
     for note in (*record.notes, *replay.notes):
@@ -193,17 +190,33 @@ def run_identify(argv: Sequence[str]) -> None:
     print(f"car: {folder.directory / CAR}")
 
 
-def _given(given: argparse.Namespace) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What file and options say of the vehicle, by dotted name, and of the rest, by ROLE.PARAMETER."""
+def _replays_of_parts(given: argparse.Namespace, record: MeasuredRecord) -> dict[str, OpenLoop]:
+    """Replays of the part that is fitted and, if something is left of the record, of the part that is held out."""
+    begin, end = given.part
+    split = begin + given.train * (end - begin)
+    parts = {PARTS[0]: (begin, split)}
+    if given.train < 1.0:
+        parts[PARTS[1]] = (split, end)
     changed = overrides(given)
-    stated, beside = vehicle_file(given.vehicle).values_for("/ev/plant"), dict[str, Any]()
-    for role in ROLES_OF_REPLAY:
-        for file in map(ParameterFile, changed.files):
-            beside |= {f"{role}.{name}": value for name, value in file.values_for(f"/ev/{role}").items()}
-    for node, name, value in changed.values:
-        beside |= {f"{role}.{name}": value for role in (ROLES_OF_REPLAY if node == "*" else (node,))}
-    of_car = {name.partition(".")[2]: value for name, value in beside.items() if ".vehicle." in name}
-    return {**stated, **of_car}, {name: value for name, value in beside.items() if ".vehicle." not in name}
+    return {part: _replay(given, record, windows_of(record, given.window, *of), changed) for part, of in parts.items()}
+
+
+def _signals_to_fit(given: argparse.Namespace, replay: OpenLoop) -> list[str]:
+    """Channels to fit: those of the command, else yaw rate and sideslip angle where they are measured."""
+    signals = given.signals or [name for name in (YAW_RATE, SIDESLIP) if name in replay.compared]
+    for name in signals:
+        if name not in replay.compared:
+            raise unknown_name("--signals", name, replay.compared)
+    return signals
+
+
+def _identify_motor(given: argparse.Namespace, command: str) -> None:
+    """Fit the losses of a motor to a map of its efficiency, and write its parameters and errors."""
+    with OutputFolder(given.out, "identify motor", FILES_OF_MOTOR) as folder:
+        motor = fit_motor(given.motor)
+        print(motor_table(motor))
+        write_motor(folder.directory, motor, command)
+    print(f"{len(motor.speed)} points, {motor.left_out} rows left out; motor: {folder.directory / MOTOR}")
 
 
 def _identify_tyre(given: argparse.Namespace, command: str) -> None:
@@ -217,6 +230,19 @@ def _identify_tyre(given: argparse.Namespace, command: str) -> None:
         write_tyre(folder.directory, fit, sweeps, given.friction_scale, command)
     passed_over = f"{sweeps.passed_over} samples passed over that lack a number or have no load"
     print(f"{sweeps.count} sweeps, {passed_over}; tyre: {folder.directory / TYRE}")
+
+
+def _given(given: argparse.Namespace) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What file and options say of the vehicle, by dotted name, and of the rest, by ROLE.PARAMETER."""
+    changed = overrides(given)
+    stated, beside = vehicle_file(given.vehicle).values_for("/ev/plant"), dict[str, Any]()
+    for role in ROLES_OF_REPLAY:
+        for file in map(ParameterFile, changed.files):
+            beside |= {f"{role}.{name}": value for name, value in file.values_for(f"/ev/{role}").items()}
+    for node, name, value in changed.values:
+        beside |= {f"{role}.{name}": value for role in (ROLES_OF_REPLAY if node == "*" else (node,))}
+    of_car = {name.partition(".")[2]: value for name, value in beside.items() if ".vehicle." in name}
+    return {**stated, **of_car}, {name: value for name, value in beside.items() if ".vehicle." not in name}
 
 
 def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
