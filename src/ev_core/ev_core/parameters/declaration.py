@@ -167,7 +167,9 @@ def flatten(instance: Any, prefix: str = "") -> dict[str, Any]:
     kind: type = type(instance)
     for name, _ in _names_and_choices(kind):
         value = getattr(instance, name)
-        if is_dataclass(value):
+        if type(value) is float:  # nearly all are
+            found[prefix + name] = value
+        elif is_dataclass(value):
             found |= flatten(value, f"{prefix}{name}.")
         else:
             found[prefix + name] = value.text if isinstance(value, Choice) else value
