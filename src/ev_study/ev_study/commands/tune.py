@@ -55,10 +55,12 @@ def run_tune(argv: Sequence[str]) -> None:
                 announce(f"note: {law}: {each.name} starts at {each.start:g}: from {each.low:g} to {each.high:g}")
     references = _references(board, given)
     keys = {name: search_key(references, name, free[name], given) for name in names}
+    results = ResultStore(digest_of_sources(config=True))
     for name in names:
         of = given.out or Path("results/tune")
         folder = of / name if len(laws) > 1 or not given.out else of
-        _tune(name, folder, references, free[name], keys[name], given, command_of(["tune", *argv]))
+        answers = Answers(results, keys[name])
+        _tune(name, folder, references, free[name], answers, given, command_of(["tune", *argv]))
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -111,14 +113,13 @@ def _tune(
     out: Path,
     references: Sequence[Reference],
     free: Sequence[Free],
-    key: str,
+    answers: Answers,
     given: argparse.Namespace,
     command: str,
 ) -> None:
     result = f"{name}_tuned.yaml"
     reads = [word.partition("=")[2] for word in given.laws]
     with OutputFolder(out, "tune", (result, HISTORY), reads=reads) as folder:
-        answers = Answers(ResultStore(digest_of_sources(config=True)), key)
         # The runs of both are asked for at the same numbers of cells.
         in_training, in_validation = asked = [partial(answers.answer, part) for part in PARTS]
         training, validation = (

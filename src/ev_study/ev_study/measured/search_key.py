@@ -1,4 +1,4 @@
-"""What the answers of a search depend on beside the points that it asks for, as a digest."""
+"""What the answers of a search depend on beside our sources and the points that it asks for, as a digest."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ import hashlib
 import numpy as np
 
 from ev_study.measured.replays.open_loop import OpenLoop
-from ev_study.studies.digests import digest_of_sources, text_of_method
+from ev_study.studies.digests import text_of_method
 
 
 def search_key(replay: OpenLoop, *choices: object) -> str:
-    """A digest of our sources, record, windows, car and what was chosen for a search."""
+    """A digest of record, windows, car and what was chosen for a search."""
     roles = {
         role: (each.method.name, text_of_method(each.method), each.values())
         for role, each in replay.configurations.items()
     }
     record = replay.record
-    given = (digest_of_sources(), roles, replay.is_imposed, replay.cut_off, record.noise, record.spacing, choices)
+    given = (roles, replay.is_imposed, replay.cut_off, record.noise, record.spacing, choices)
     content = hashlib.sha256(repr(given).encode())
     for values in (
         np.array(replay.windows.size),

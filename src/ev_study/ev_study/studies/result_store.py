@@ -41,9 +41,6 @@ class Results(Protocol):
     def __setitem__(self, name: str, content: bytes, /) -> None:
         """Keep a content."""
 
-    def __contains__(self, name: object, /) -> bool:
-        """Whether there is something of a name."""
-
 
 class ResultStore:
     """Results of our sources as they are; `folder` is that of EV_STACK_RESULTS, else one in the user's cache folder.
@@ -72,9 +69,6 @@ class ResultStore:
 
     def __setitem__(self, name: str, content: bytes) -> None:
         write_checked(self.folder / name, content)
-
-    def __contains__(self, name: object) -> bool:
-        return (self.folder / str(name)).exists()
 
 
 def _forget_old(parent: Path) -> None:
